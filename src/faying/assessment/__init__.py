@@ -1,1 +1,1 @@
-"""What judges a solution: errors, certificates, recovery, sensitivities, advice."""
+"""Assessment of solutions: errors, certificates, recovery, sensitivities, strength, advice."""

@@ -1,4 +1,4 @@
-"""How far a solution is from a reference, in the seed's measure, Eq. (15.31)."""
+"""The error of a solution relative to a reference, in the seed's measure, Eq. (15.31)."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,18 +26,18 @@ class Accuracy(Shown):
     max_relative_error : [1]
         Largest difference ``|p − p_ref|`` over all points and instants, over the largest p_ref.
     rms_relative_error : [1]
-        Root mean square of the same over all points and instants.
+        Root mean square of this difference over all points and instants.
     p999_relative_error : [1]
-        99.9th percentile of the same.
+        99.9th percentile of this difference.
     max_pressure_ratio : [1]
         Largest pressure over the largest reference pressure.
     displacement_error : [1]
-        Largest distance of boundary translations over the largest reference translation of any
-        boundary; or of rotations of boundaries that only turn over the largest of these, where that
-        is more. Zero where none moves but by round-off.
+        Largest difference of boundary translations over the largest reference translation of any
+        boundary, or the same for rotations of boundaries without translations if that is larger.
+        Zero where boundaries are at rest within round-off.
     max_traction_error : [1]
-        Largest difference of tractions over all points and instants, over the largest of the
-        reference; None where nothing rubs.
+        Largest difference of tractions over all points and instants, over the largest reference
+        traction; None without friction.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class Accuracy(Shown):
 
     @property
     def told(self) -> str:
-        """Largest error of pressures, and of tractions where there are some, in percent."""
+        """Largest error of pressures, and of tractions if there are any, in percent."""
         tractions = self.max_traction_error
         along = "" if tractions is None else f" (tractions {tractions:.2%})"
         return f"{self.max_relative_error:.2%}{along}"
@@ -83,7 +83,7 @@ def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
     Raises
     ------
     ModelError
-        If the shapes differ, or the reference has no pressure at all where the other one has some.
+        If the shapes differ, or the reference has no pressure at all and the other one has.
 
     Examples
     --------
@@ -106,12 +106,12 @@ def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
 
 
 def compare(solution: Compared, reference: Compared) -> Accuracy:
-    """Compare a solution with a reference of the same load, points and instants.
+    """Return the accuracy of a solution relative to a reference of equal load, points and instants.
 
     Raises
     ------
     ModelError
-        If they do not have the same points and instants, or the reference has no pressure.
+        If points or instants differ, or the reference has no pressure.
 
     Examples
     --------
@@ -145,10 +145,10 @@ def traction_error(tractions: Sequence[Matrix], references: Sequence[Matrix]) ->
 def measure(
     pressure: Matrix, reference: Matrix, displacements: Iterable[tuple[Matrix, Matrix, Indices]]
 ) -> Accuracy:
-    """Measure pressures (..., n_point) and displacements at boundaries.
+    """Return the accuracy of pressures (..., n_point) and displacements at boundaries.
 
-    Of each boundary there are the displacements measured and those of the reference (..., n), and
-    the components 0 … 5 (n,) they belong to.
+    For each boundary, ``displacements`` has the displacements and those of the reference (..., n),
+    and their components 0 … 5 (n,).
 
     Raises
     ------
@@ -168,7 +168,7 @@ def measure(
 
 
 def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> float:
-    """Largest distance of translations, or of rotations where that is all, over the largest one."""
+    """Return the largest relative difference of translations, or else of rotations."""
     largest = max(
         (float(np.abs(expected).max(initial=0.0)) for _, expected, _ in displacements), default=0.0
     )
@@ -183,9 +183,9 @@ def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> 
 
 
 def _error(pairs: Sequence[tuple[Matrix, Matrix]], floor: float) -> float | None:
-    """Return how far vectors (..., n) are from others at most, over the longest of these.
+    """Return the largest difference of vectors (..., n) over the longest reference vector.
 
-    None where the others are no longer than a floor.
+    None where no reference is longer than a floor.
     """
     length = max((_longest(reference) for _, reference in pairs), default=0.0)
     if length <= floor:

@@ -26,52 +26,52 @@ class Backbone(Frozen, Shown):
     mode : [1]
         Number of the mode of small vibrations, from 1.
     small_frequency : [1/time]
-        Of small vibrations, in which every closed point sticks: the limit of cycles that repeat.
+        Frequency of small vibrations, with every closed point stuck: the limit of small cycles.
     measured_at
-        Where the amplitude is measured: a boundary, or one of its components.
+        Boundary, or one of its components, at which the amplitude is measured.
     amplitude : (n,) [length]
-        Half of the way there and back, in a stationary cycle.
+        Half the peak-to-peak displacement in a stationary cycle.
     load : (n,)
         Largest load on the mass-normalized mode, α of (F5).
     modal_amplitude : (n,)
-        Half of the way of the modal coordinate, q of (F5).
+        Half the peak-to-peak modal coordinate, q of (F5).
     frequency : (n,) [1/time]
         Frequency.
     damping_ratio : (n,) [1]
-        Of friction and of the damping matrix C together.
+        Damping ratio due to friction and the damping matrix C together.
     friction_damping : (n,) [1]
-        Its share of friction; of ``loop_area`` where cycles are not stationary.
+        Part due to friction; from ``loop_area`` where cycles are not stationary.
     linear_damping : (n,) [1]
-        Its share of the damping matrix.
+        Part due to the damping matrix.
     energy_per_cycle : (n,) [force·length]
-        Energy that friction takes, by slip.
+        Energy dissipated by friction, from slip.
     loop_area : (n,) [force·length]
-        Area of the loop of load and displacement. Both agree as increments shrink where cycles are
-        stationary; where not, friction takes energy besides that was in the tightened joint.
+        Area of the loop of load and displacement. It tends to ``energy_per_cycle`` as increments
+        shrink; not in cycles in which friction dissipates energy of the tightened joint.
     stick_share : (n,) [1]
-        Least share of the closed area that sticks during the cycle.
+        Smallest sticking share of the closed area during the cycle.
     macroslip : (n,) [1]
-        Whether all that is closed on an interface slips at once, nothing of it sticking.
+        Whether all closed points of an interface slip at the same time.
     cycles : (n,) [1]
-        Cycles solved until they repeated.
+        Number of cycles solved.
     stationary : (n,) [1]
-        Whether they do.
+        Whether the last cycle repeats the one before.
     loop_load : (n, n_increment + 1)
         Load α along the last cycle, from its positive reversal on.
     loop_modal : (n, n_increment + 1)
-        Modal coordinate q = φᵀ M (u − u₀) along it.
+        Modal coordinate q = φᵀ M (u − u₀) along the last cycle.
     slip_distance : (n, n_point) [length]
-        How far each contact point slips in a cycle, there and back, while it is pressed on.
+        Total slip distance of each contact point in a cycle, while it is under pressure.
     masing_frequency : (n,) [1/time]
-        By Masing's rule from the first loading alone; None unless asked for.
+        Frequency by Masing's rule from the first loading alone; None unless requested.
     masing_damping : (n,) [1]
-        By Masing's rule from the first loading alone, friction only; None unless asked for.
+        Friction damping by Masing's rule from the first loading alone; None unless requested.
     remarks : (n_remark,)
-        What a reader should know.
+        Remarks for the reader.
     units
         Consistent unit set of the model, length-mass-time.
     over
-        What was given for ``amplitude``: that, or ``"energy"``.
+        Kind of the given levels: ``"amplitude"`` or ``"energy"``.
     """
 
     mode: int
@@ -101,7 +101,7 @@ class Backbone(Frozen, Shown):
 
     @property
     def facts(self) -> Mapping[str, str]:
-        """Mode, frequency of small vibrations, and the ranges that were computed."""
+        """Mode, frequency of small vibrations, and the ranges of the results."""
         units = units_of(self.units)
         ranges = {
             "amplitudes": (self.amplitude, self._amplitude_unit),
@@ -124,7 +124,7 @@ class Backbone(Frozen, Shown):
 
     @property
     def energy(self) -> Vector:
-        """Energy of the vibration (n,), α q/2 [force·length]: an amplitude of no one place."""
+        """Energy of the vibration (n,), α q/2 [force·length], an amplitude without a place."""
         return np.asarray(self.load * self.modal_amplitude / 2)
 
     def plot(
@@ -135,9 +135,9 @@ class Backbone(Frozen, Shown):
         Parameters
         ----------
         axes
-            Of matplotlib; new ones by default. Those of the frequency are their twin.
+            Axes of matplotlib; new ones by default. The frequency is drawn on twin axes.
         over
-            ``"amplitude"``, where it is measured, or ``"energy"`` of the vibration.
+            ``"amplitude"`` at the measured place, or ``"energy"`` of the vibration.
 
         Raises
         ------
@@ -168,7 +168,7 @@ class Backbone(Frozen, Shown):
 
     @property
     def energy_difference(self) -> Vector:
-        """Loop area less energy by slip, over the latter (n,); zero where nothing slips."""
+        """Relative difference of loop area and energy by slip (n,); zero where nothing slips."""
         slipped = self.energy_per_cycle > 0
         difference = self.loop_area - self.energy_per_cycle
         over: Vector = difference / np.where(slipped, self.energy_per_cycle, 1.0)
@@ -176,7 +176,7 @@ class Backbone(Frozen, Shown):
 
     @property
     def masing_deviation(self) -> Vector | None:
-        """Damping by Masing's rule less that of full cycles, over the latter (n,), or None."""
+        """Relative error of damping by Masing's rule against full cycles (n,), or None."""
         if self.masing_damping is None:
             return None
         slipped = self.friction_damping > 0

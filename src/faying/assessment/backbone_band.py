@@ -1,4 +1,4 @@
-"""The band that backbones of many possible joints fill."""
+"""The band covered by the backbones of many possible joints."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ from faying.units import units_of
 @final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class BackboneBand(Frozen, Shown):
-    """Ends of frequency and damping over amplitude; arrays have one entry for each amplitude.
+    """Bounds of frequency and damping over amplitude; arrays have one entry for each amplitude.
 
-    They are those of the samples: between them a curve may leave the band.
+    They are the extremes of the samples; curves of other joints may lie outside.
 
     Attributes
     ----------
@@ -27,9 +27,9 @@ class BackboneBand(Frozen, Shown):
     frequency_low, frequency_high : (n,) [1/time]
     damping_low, damping_high : (n,) [1]
     samples : (n,) [1]
-        Backbones that reach the amplitude.
+        Number of backbones that reach the amplitude.
     measured_at
-        Where the amplitude is measured.
+        Place of the measured amplitude.
     units
         Consistent unit set of the model, length-mass-time.
     """
@@ -60,7 +60,7 @@ class BackboneBand(Frozen, Shown):
 
 
 def backbone_band(backbones: Sequence[Backbone]) -> BackboneBand:
-    """Return the band of backbones of one mode of joints that differ.
+    """Return the band of backbones of one mode of different joints.
 
     Amplitudes are those of the first backbone. Frequencies and logarithms of damping ratios are
     linear over the logarithm of the amplitude between those of a backbone.
@@ -68,7 +68,7 @@ def backbone_band(backbones: Sequence[Backbone]) -> BackboneBand:
     Raises
     ------
     ModelError
-        If there is none.
+        If there is no backbone.
 
     Examples
     --------

@@ -1,11 +1,11 @@
 """Responses to harmonic loads from the backbone of a mode, without solving contact again.
 
-With the frequency ω(q) and the damping ratio ζ(q) of a mode that swings by q, and p = φᵀ F,
+With the frequency ω(q) and the damping ratio ζ(q) of a mode of amplitude q, and p = φᵀ F,
 
     (ω² − Ω² + 2 i ζ ω Ω) q = p,                                                            (F9)
 
-which is quadratic in Ω² for any |q|: both sides of the peak, and folds, come out without iteration.
-The other modes and the static rest of them are those of the stuck joint.
+which is quadratic in Ω² for any |q|: both sides of the peak, and folds, follow without iteration.
+The other modes and the static remainder are those of the stuck joint.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -55,14 +55,14 @@ def backbone_response(
     *,
     initial: Solution | None = None,
 ) -> FrequencyResponse:
-    """Estimate the response to a harmonic load around the frequency of a mode by its backbone.
+    """Return an estimate of the response to a harmonic load around a mode, from its backbone.
 
     Parameters
     ----------
     system
-        The model whose backbone it is.
+        The model of the backbone.
     backbone
-        Of the mode, up to amplitudes that the load makes.
+        Backbone of the mode, up to the amplitudes of the response.
     load
         ``"boundary.component"``, or the name of a load pattern, to its complex amplitude F,
         f(t) = Re(F exp(iωt)): ``{"tip.Fz": 1.0, "tip.Fy": 1j}`` turns.
@@ -71,7 +71,7 @@ def backbone_response(
     levels : (n_level,)
         Factors of the load.
     initial
-        State to vibrate about, that of the backbone; by default the bolts are tightened with
+        State to vibrate about, as for the backbone; by default the bolts are tightened with
         friction in one increment.
 
     Raises
@@ -81,11 +81,11 @@ def backbone_response(
 
     Notes
     -----
-    Microseconds a point. On a small lap joint peaks were 1 to 3 % off where friction took less than
-    half of the loss, and flanks up to 13 %; it is blind to other modes that a multiple of the
-    frequency meets, where the peak was 17 % off, and takes a mode beside this one as linear: on a
-    pipe flange with two bending modes 0.02 % apart the peak was 0.6 % too high in frequency and 5 %
-    too small (:func:`faying.frequency_response` sees them).
+    Microseconds a point. On a small lap joint errors were 1 to 3 % at peaks where friction caused
+    less than half of the loss, and up to 13 % at flanks. Internal resonances of other modes with a
+    multiple of the frequency are ignored; there the peak was 17 % off. Other modes nearby are taken
+    as linear: on a pipe flange with two bending modes 0.02 % apart the peak was 0.6 % too high in
+    frequency and 5 % too small (:func:`faying.frequency_response` includes both).
 
     Examples
     --------
@@ -159,9 +159,9 @@ class LinearResponse:
     forced : (n_mode,)
         p = φᵀ F.
     moved : (n_boundary, n_mode) [length]
-        What modes move at boundaries.
+        Displacements of modes at boundaries.
     rest : (n_boundary,) [length]
-        What the modes leave of the static response.
+        Static response without these modes.
     """
 
     components: tuple[str, ...]
@@ -192,7 +192,7 @@ class LinearResponse:
         )
 
     def swung(self, level: float, frequency: Vector) -> ComplexMatrix:
-        """Return what the modes swing by at frequencies (n, n_mode)."""
+        """Return modal amplitudes at frequencies (n, n_mode)."""
         driven = 2 * np.pi * frequency[:, None]
         modal = self.circular**2 - driven**2 + 1j * driven * self.damping
         return np.divide(level * self.forced, modal)
@@ -200,7 +200,7 @@ class LinearResponse:
     def companion(
         self, level: float, frequency: Vector, swing: ComplexVector, mode: int
     ) -> Iterator[str]:
-        """Say which other mode swings along at the peak, where one does, and that it is linear."""
+        """Yield a remark on another, linear mode that takes part at the peak, if there is one."""
         if not len(frequency):
             return
         at = int(np.abs(swing).argmax())
@@ -218,7 +218,7 @@ class LinearResponse:
     def curve(
         self, level: float, frequency: Vector, swings: Mapping[int, ComplexVector]
     ) -> ResponseCurve:
-        """Return the curve at frequencies (n,), some modes (from 1) swinging otherwise (n,)."""
+        """Return the curve at frequencies (n,), with given swings (n,) of some modes."""
         swung = self.swung(level, frequency)
         for mode, swing in swings.items():
             swung[:, mode - 1] = swing
@@ -254,7 +254,7 @@ class _Estimate:
         circular = 2 * np.pi * backbone.frequency[order]
         first = float(linear.circular[number])
         damping = float(linear.damping[number]) / (2 * first)
-        # A tenth of the smallest amplitude stands for none: friction has less than that to take.
+        # A tenth of the smallest amplitude stands for zero: friction is negligible below.
         q = np.concatenate([[q[0] / 10], q])
         values = np.column_stack(
             [
@@ -272,12 +272,12 @@ class _Estimate:
         )
 
     def at(self, q: Vector) -> tuple[Vector, Vector, Vector]:
-        """Return ω, ζ and the share of ζ of friction at amplitudes (n,)."""
+        """Return ω, ζ and the friction share of ζ at amplitudes (n,)."""
         values = self.over(np.log(np.clip(q, self.smallest, self.largest)))
         return values[:, 0], values[:, 1], values[:, 2]
 
     def friction_share(self, q: float) -> float:
-        """Return the share of the loss that friction takes."""
+        """Return the share of friction in the loss."""
         _, damping, friction = self.at(np.array([q]))
         return float(friction[0] / damping[0]) if damping[0] > 0 else 0.0
 
@@ -311,7 +311,7 @@ class _Estimate:
                 f"level {level:g}: the peak lies beyond the largest amplitude of the backbone; it "
                 "is cut there: give the backbone larger ones"
             )
-        # Close to the peak both sides part like a root.
+        # Close to the peak both sides separate like a square root.
         share = np.sin(np.linspace(0, np.pi / 2, CURVE_POINTS))
         q = np.exp(np.log(grid[0]) + share * np.log(top / grid[0]))
         circular, damping, _ = self.at(q)

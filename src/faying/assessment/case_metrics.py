@@ -1,4 +1,4 @@
-"""What an engineer asks of every load case or instant: a few numbers, not fields."""
+"""Metrics of every load case or instant: a few numbers, not fields."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,17 +28,17 @@ WEAK_SHARE = "weak_share."
 
 @dataclass(frozen=True)
 class Metric:
-    """One number of every load case or instant.
+    """A quantity with one value for every load case or instant.
 
     Attributes
     ----------
     name
-        As in ``clamp_force.joint``: what it is, and of which interface, bolt or boundary.
+        Quantity and interface, bolt or boundary, as in ``clamp_force.joint``.
     description
     dimension
         In words, as ``"force/length²"``.
     worst
-        Which of its values are the worst ones; None where none is.
+        Whether the least or the largest values are the worst; None where none is.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Metric:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Cases:
-    """Many cases or instants, as solved."""
+    """Many solved cases or instants."""
 
     solution: Solution
     certificate: Certificate | None
@@ -71,7 +71,7 @@ def metrics_of(
 ) -> list[Metric]:
     """Return the metrics of a system, in the order of :func:`case_metrics`.
 
-    Areas are those whose needed friction is told, of static cases; rings lie around holes.
+    Areas are those with needed friction as a metric, for static cases; rings lie around holes.
     """
     groups = _groups(system, interfaces, rings, areas, certified=certified)
     return [metric for metrics, _ in groups for metric in metrics]
@@ -86,7 +86,7 @@ def case_metrics(
 ) -> Matrix:
     """Return the metrics (n_case, n_metric) of many load cases or instants.
 
-    Areas tell what is carried along them where needed friction is told, of static cases.
+    Areas have the tangential resultants for needed friction as a metric, for static cases.
     """
     cases = _Cases(solution=solution, certificate=certificate, rings=rings, areas=areas)
     certified = certificate is not None
@@ -102,7 +102,7 @@ def _groups(
     *,
     certified: bool,
 ) -> Iterator[Group]:
-    """Yield what is told of cases: a few metrics at a time, beside how they are computed."""
+    """Yield groups of a few metrics each, with the function that computes their columns."""
     for name, surface in interfaces.items():
         yield _of_interface(name, surface, certified=certified)
     force, about = "axial force, tension positive", "force"
@@ -205,7 +205,7 @@ def _of_interface(name: str, surface: ContactSurface, *, certified: bool) -> Gro
         pressure, gap = solution.pressure[:, points], solution.gap[:, points]
         bounds = cases.certificate
         largest = pressure.max(axis=1)
-        # Of points that mirror each other the first, whatever last digits say.
+        # The first of symmetric points, independent of round-off.
         where = (pressure >= (1 - SOLVED) * largest[:, None]).argmax(axis=1)
         return [
             largest,
@@ -267,14 +267,14 @@ def _shared(
 
 
 def bent_bolts(bolts: Mapping[str, Bolt]) -> list[str]:
-    """Return the names of the bolts whose bending is seen."""
+    """Return the names of the bolts with known bending."""
     return [name for name, bolt in bolts.items() if bolt.bending is not None]
 
 
 def weak_share(solution: Solution, bodies: str) -> Matrix:
-    """Return what the weak springs between two bodies carry over the total contact force (...).
+    """Return the force of the weak springs between two bodies over the total contact force (...).
 
-    The sum of magnitudes; infinite where nothing is in contact and they carry something.
+    The sum of magnitudes; infinite where only the springs carry force.
 
     Raises
     ------
@@ -288,11 +288,11 @@ def weak_share(solution: Solution, bodies: str) -> Matrix:
 
 
 def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Say in one sentence where weak springs hold what nothing else does; nothing where none do.
+    """Return warnings where weak springs alone hold a body; empty if there are none.
 
-    Shares are the largest of a load case between two bodies that are named.
+    Shares are the largest of a load case between two named bodies.
     """
-    # Springs that friction lets carry nothing have 1e-6 of it; those that carry loads some percent.
+    # The share is 1e-6 where contact or friction holds a body, and some percent where springs do.
     worst = [
         (share, bodies, case)
         for bodies, of_case in shares.items()

@@ -7,7 +7,7 @@ problem s = Hλ + g_free ≥ 0, λ ≥ 0, λᵀs = 0 and *any* z ≥ 0,
 
 is the gap between the energy of λ̂ and a lower bound of the least energy. Pressures, total forces
 and largest errors follow as intervals. ``docs/theory/certificate.md`` derives them and the choices
-of z; equation numbers (C…) are of that page.
+of z; equation numbers (C…) are from that page.
 """
 
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ from faying.simulation.load import Load
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Enclosure:
-    """Where the exact contact forces λ* must lie, of one or many candidates.
+    """A ball that contains the exact contact forces λ*, for one or many candidates.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Enclosure:
 
 
 def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosure:
-    """Enclose the exact contact forces of bare contact problems, from candidates λ̂ ≥ 0.
+    """Return a ball with the exact contact forces of bare contact problems, from candidates λ̂ ≥ 0.
 
     Free gaps and forces are (..., n_point) [length], [force].
 
@@ -94,7 +94,7 @@ POWERS = (1, 2, 4)
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Certificate(Frozen):
-    """What is certain about the exact pressures, given a candidate.
+    """Certified bounds of the exact pressures, from a candidate.
 
     Arrays have no leading axis for one load, otherwise one entry per load case.
 
@@ -103,19 +103,19 @@ class Certificate(Frozen):
     pressure : (..., n_point) [force/length²]
         The candidate, negative values set to zero.
     clipped_pressure : (...)
-        Largest pressure that was negative, hence clipped; the certificate is of the clipped one.
+        Magnitude of the largest negative pressure that was clipped to zero.
     energy : (...) [force·length]
-        Bound of ½ (λ̂ − λ*)ᵀ H (λ̂ − λ*): strain energy that separates candidate and solution.
+        Bound of ½ (λ̂ − λ*)ᵀ H (λ̂ − λ*), the strain energy of the error.
     energy_error : (...)
-        Bound of ‖λ̂ − λ*‖_H / ‖λ*‖_H; infinite where nothing can be said.
+        Bound of ‖λ̂ − λ*‖_H / ‖λ*‖_H; infinite where there is no bound.
     pressure_low, pressure_high : (..., n_point) [force/length²]
-        The exact pressure of each contact point lies between them.
+        Bounds of the exact pressure of each contact point.
     contact_force : interface to (..., 2) [force]
-        The exact total force of each interface lies between these two.
+        Bounds of the exact total force of each interface.
     area_force : (interface, bolt) to (..., 2) [force]
-        The exact total force of each area that was asked for lies between these two.
+        Bounds of the exact total force of each requested area.
     contact_force_error : (...)
-        Bound of the error of the candidate's total force over the exact one, the largest over the
+        Bound of the relative error of the candidate's total force, the largest over the
         interfaces.
     rms_pressure_error : (...) [force/length²]
         Bound of the area-weighted root mean square of p̂ − p* over all interfaces.
@@ -150,12 +150,12 @@ class Certificate(Frozen):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Certifier:
-    """Certifies candidates for a model; what can be computed beforehand is.
+    """Certifies candidates for a model, with all that is independent of them precomputed.
 
     Attributes
     ----------
     system
-        The model whose exact solution is meant, usually the full one.
+        The model of the exact solution, usually the full one.
     flexibility
         Factorized H of its static contact problem.
     """
@@ -179,9 +179,9 @@ class Certifier:
 
     @cached_property
     def rms_factor(self) -> float:
-        """Bound of √(Σ λ²/w) per ‖λ‖_H: √c_n of (C15), or (C17) where that may be less.
+        """Bound of √(Σ λ²/w) per ‖λ‖_H: √c_n of (C15), or (C17) where that may be smaller.
 
-        Never an eigenvalue: at ten thousand points that takes longer than all else in a run.
+        Without eigenvalues: at ten thousand points they take longer than all else in a run.
         """
         contact = self.system.contact
         by_law = float(np.sqrt(contact.penalty.max()))
@@ -196,7 +196,7 @@ class Certifier:
         pressure: Matrix,
         areas: Mapping[tuple[str, str], Mask] | None = None,
     ) -> Certificate:
-        """Certify pressures (..., n_point) under inputs (..., n_input).
+        """Return the certificates of pressures (..., n_point) under inputs (..., n_input).
 
         The total force of areas of points (n_point,), as around a bolt of an interface, is bounded
         too.
@@ -247,7 +247,7 @@ class Certifier:
         return checked
 
     def _pressures(self, where: Enclosure) -> tuple[Matrix, Matrix]:
-        """Intervals (..., n_point) of the exact pressures."""
+        """Return bounds (..., n_point) of the exact pressures."""
         reach = _reach(where.radius, self.flexibility.point_norms)
         low = np.maximum(where.centre - reach, 0.0) / self.system.contact.weights
         high = np.maximum(where.centre + reach, 0.0) / self.system.contact.weights
@@ -256,7 +256,7 @@ class Certifier:
     def _areas(
         self, where: Enclosure, areas: Mapping[tuple[str, str], Mask]
     ) -> dict[tuple[str, str], Matrix]:
-        """Intervals (..., 2) of the exact total forces of areas."""
+        """Return bounds (..., 2) of the exact total forces of areas."""
         rows = np.array(list(areas.values()), dtype=float)
         totals = _totals(where, rows, self.flexibility.norms(rows))
         return {area: totals[..., row, :] for row, area in enumerate(areas)}
@@ -264,10 +264,10 @@ class Certifier:
     def _least_maximum(
         self, candidate: Matrix, low: Matrix, totals: Matrix, where: Enclosure
     ) -> Vector:
-        """Certain part of the largest pressure, (C14).
+        """Return a lower bound of the largest pressure, (C14).
 
-        The largest pressure is no less than that of a point, the mean of an interface, or the mean
-        weighted with a power of the candidate.
+        It is the largest of the lower bounds at a point, of the mean over an interface, and of the
+        mean weighted with a power of the candidate.
         """
         weights = self.system.contact.weights
         means = (totals[..., 0] / (self.totals @ weights)).max(axis=-1)
@@ -302,16 +302,16 @@ def certifier(system: Joint) -> Certifier:
 
 
 def certify(model: Joint, load: Load, pressure: Matrix) -> Certificate:
-    """Bound the error of a candidate pressure at a static load, without solving the model.
+    """Return bounds of the error of a pressure at a static load, without solving the model.
 
     Parameters
     ----------
     model
-        The full model (anything whose exact static solution is in question).
+        The full model, or any other whose exact static solution is unknown.
     load
         Histories are taken at time zero.
     pressure : (n_point,) [force/length²]
-        From any method; negative values are set to zero, the certificate then is of that.
+        From any method; negative values are set to zero before.
 
     Returns
     -------
@@ -326,7 +326,7 @@ def certify(model: Joint, load: Load, pressure: Matrix) -> Certificate:
     -----
     Rigorous up to round-off (about 1e-12 of ‖λ̂‖_H). The model's compliance must be known, with
     which the exact solution costs milliseconds: certificates are for searches over many loads and
-    bases, and for pressures whose origin one does not trust. See :func:`certifier` for many.
+    bases, and for pressures of doubtful origin. See :func:`certifier` for many.
 
     Examples
     --------
@@ -349,33 +349,33 @@ def _functional_bound(offset: Matrix, where: Enclosure, norms: Vector) -> Matrix
 
 
 def _totals(where: Enclosure, rows: Matrix, norms: Vector) -> Matrix:
-    """Intervals (..., k, 2) of the exact forces that rows (k, n_point) of ones sum, (C13)."""
+    """Return bounds (..., k, 2) of the exact forces summed by rows of ones (k, n_point), (C13)."""
     middle = where.centre @ rows.T
     reach = _reach(where.radius, norms)
     return np.maximum(np.stack([middle - reach, middle + reach], axis=-1), 0.0)
 
 
 def _reach(radius: Vector, norms: Vector) -> Matrix:
-    """Reach r h_k (..., k) of a ball in the directions of several functionals."""
+    """Return the extent r h_k (..., k) of a ball in the directions of several functionals."""
     return _product(radius[..., None], norms)
 
 
 def _product(radius: Matrix, norm: Matrix) -> Matrix:
-    """Product that is infinite where either factor is, even if the other vanishes."""
+    """Return a product that is infinite if either factor is, even if the other is zero."""
     bounded = np.isfinite(radius) & np.isfinite(norm)
     product: Matrix = np.where(np.isfinite(radius), radius, 0.0) * np.where(bounded, norm, 0.0)
     return np.where(bounded, product, np.inf)
 
 
 def _total_error(pressure: Matrix, totals: Matrix) -> Vector:
-    """Largest relative distance of the candidates' totals to the ends of the intervals."""
+    """Return the largest relative distance of the candidates' totals from their bounds."""
     distance = np.abs(pressure[..., None] - totals).max(axis=-1)
     largest: Vector = _ratio(distance, totals[..., 0]).max(axis=-1)
     return largest
 
 
 def _ratio(numerator: Vector, denominator: Vector) -> Vector:
-    """Quotient; zero where the numerator vanishes, infinite where only the denominator is ≤ 0."""
+    """Return a quotient: zero for a zero numerator, else infinite for a denominator ≤ 0."""
     positive = denominator > 0
     quotient = np.asarray(numerator) / np.where(positive, denominator, 1.0)
     return np.where(positive, quotient, np.where(np.asarray(numerator) > 0, np.inf, 0.0))

@@ -1,4 +1,4 @@
-"""One check of a bolt or an interface: how much of what it bears is used, and what decides."""
+"""A check of a bolt or an interface: value, limit, utilisation, and the decisive case."""
 
 from dataclasses import dataclass, replace
 from typing import Literal, final
@@ -24,32 +24,32 @@ class Check:
     kind
         Whether the part is a bolt or an interface.
     quantity
-        What is checked, in an engineer's words: ``"yield"``, ``"fatigue"``, ``"slip"``.
+        Checked quantity, in an engineer's words: ``"yield"``, ``"fatigue"``, ``"slip"``.
     outcome
         Whether the check is met.
     utilisation : [1]
-        Share of what is allowed that is used; above 1 the check is not met. None where it is
-        unknown, or where the check is a yes or no.
+        Value over limit; above 1 the check is not met. None where it is unknown, or where the
+        check has no number.
     value
-        What was found, in ``unit``.
+        Computed value, in ``unit``.
     limit
-        What is allowed, in ``unit``.
+        Allowed value, in ``unit``.
     unit
-        Of value and limit; empty for ratios.
+        Unit of value and limit; empty for ratios.
     case
-        Name of the load case that decides.
+        Name of the decisive load case.
     instant : [time]
-        Instant of that case that decides; None for a static case.
+        Decisive instant of that case; None for a static case.
     scatter
-        End of the scatter that decides, ``"P_p,min"``; empty where nothing scatters.
+        Decisive end of the scatter, ``"P_p,min"``; empty without scatter.
     reason
-        Why the outcome is unknown, or what to do where the check is not met.
+        Why the outcome is unknown, or a remedy where the check is not met.
     source
         Clause and equation of the standard that the check follows.
     required
-        Whether the study demands it; strength is checked in any case.
+        Whether the study requires the check; strength is checked in any case.
     bound
-        Whether the value bounds the discretized model over the scatter; else it is a sample.
+        Whether the value is a bound over the scatter for the discretized model; else a sample.
     """
 
     part: str
@@ -69,7 +69,7 @@ class Check:
     bound: bool = False
 
     def at_most(self, value: float, limit: float) -> "Check":
-        """Return the check that a value does not exceed a limit."""
+        """Return the check of a value against an upper limit."""
         return replace(
             self,
             outcome="met" if value <= limit else "not met",
@@ -79,7 +79,7 @@ class Check:
         )
 
     def at_least(self, value: float, limit: float) -> "Check":
-        """Return the check that a value reaches a limit; no case decides one that is infinite."""
+        """Return the check of a value against a lower limit; an infinite value has no case."""
         finite = bool(np.isfinite(value))
         return replace(
             self,
@@ -92,7 +92,7 @@ class Check:
 
 
 def worst_check(checks: tuple[Check, ...]) -> Check | None:
-    """Return the check that decides: not met before unknown before met, then most utilised."""
+    """Return the decisive check: not met before unknown before met, then by utilisation."""
     order = {"not met": 2, "unknown": 1, "met": 0}
     return max(
         checks,

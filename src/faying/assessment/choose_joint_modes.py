@@ -1,4 +1,4 @@
-"""The number of joint modes that a tolerance needs, chosen by certified errors."""
+"""Choice of the number of joint modes for a tolerance, by certified errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,21 +19,21 @@ from faying.simulation.static import solve_static_cases
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointModeChoice(Frozen):
-    """How many joint modes a tolerance needs.
+    """The number of joint modes for a tolerance.
 
     Attributes
     ----------
     count : [1]
-        Chosen number of joint modes: the fewest that are certified to do, or all there are if
-        none is (``met``).
+        Chosen number of joint modes: the smallest certified number, or all if none is certified
+        (``met``).
     met
         Whether the tolerance is certified.
     tolerance : [1]
-        What was asked for.
+        Given tolerance.
     measure
         Certified quantity.
     counts : (n,) [1]
-        Numbers of joint modes that were tried.
+        Tried numbers of joint modes.
     bounds : (n,) [1]
         Certified error of each, the largest over the loads.
     """
@@ -54,14 +54,14 @@ def choose_joint_modes(
     *,
     measure: Measure = "energy_error",
 ) -> JointModeChoice:
-    """Find the fewest joint modes whose certified error meets a tolerance at all loads.
+    """Return the smallest number of joint modes with a certified error within a tolerance.
 
     Parameters
     ----------
     model
         The full model; it is not solved.
     basis
-        With as many joint modes as may be used, e.g. from :func:`faying.jim_b`.
+        Basis with all available joint modes, e.g. from :func:`faying.jim_b`.
     loads
         Static loads, e.g. ``box.random_loads(model, 50, seed=0)``.
     tolerance
@@ -77,8 +77,8 @@ def choose_joint_modes(
 
     Notes
     -----
-    Counts are tried upwards, as errors need not fall with every mode. Per count one projection and
-    one reduced static solution and certificate per load, some milliseconds each.
+    Numbers are tried upwards, since errors need not fall with every mode. Each takes a projection
+    and, per load, a reduced static solution and a certificate, some milliseconds each.
 
     Examples
     --------

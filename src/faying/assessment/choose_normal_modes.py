@@ -1,8 +1,7 @@
-"""The number of normal modes that the pressures of a transient need, by estimated errors.
+"""Choice of the number of normal modes for the pressures of a transient, by estimated errors.
 
-The residual compliance keeps the static part of what is left out, so that only modes that are
-moved faster than they can follow statically matter. ``docs/theory/transient_accuracy.md`` has what
-was measured.
+The residual compliance keeps the static part of the omitted modes, so only modes whose motion is
+not quasi-static matter. ``docs/theory/transient_accuracy.md`` has the measurements.
 """
 
 from collections.abc import Callable
@@ -45,33 +44,33 @@ LARGEST_RATIO = 1.25
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NormalModeChoice(Frozen):
-    """How many normal modes a pressure tolerance of a transient needs.
+    """The number of normal modes for a pressure tolerance of a transient.
 
     Attributes
     ----------
     count : [1]
-        Chosen number of normal modes: of those tried the fewest within the tolerance, or, where
-        none is, the fewest that are as good as the best (``met``).
+        Chosen number of normal modes: the smallest tried number within the tolerance, or, if none
+        is, the smallest that is as good as the best (``met``).
     met
-        Whether the estimated error over :data:`~.transient_error.OBSERVED_RATIOS`, the most
-        that the true one was seen to be, is within the tolerance.
+        Whether the estimated error, times the largest ratio of the true one to it in
+        :data:`~.transient_error.OBSERVED_RATIOS`, is within the tolerance.
     tolerance : [1]
-        Largest pressure error over the peak that was asked for.
+        Given limit of the pressure error over the peak.
     excited : [1/time]
-        Up to which the loads move an oscillator by more than the tolerance beside its static
-        response, as far as time steps follow.
+        Frequency up to which the loads excite an oscillator beyond its static response by more
+        than the tolerance, as far as time steps resolve it.
     resolved : [1/time]
         Steps per time: modes above it have periods shorter than a step.
     counts : (n,) [1]
-        Numbers of normal modes that were tried.
+        Tried numbers of normal modes.
     highest : (n,) [1/time]
         Highest frequency of each number.
     estimates : (n,) [1]
-        Largest pressure error of each over the peak, estimated; infinite where that failed.
+        Estimated largest pressure error of each over the peak; infinite if the estimate failed.
     tractions : (n_traction,) [1]
-        Largest traction error of each over the largest traction, estimated likewise; zero where
-        there is none, NaN where that failed. The choice does not look at it. Files of before have
-        none where nothing rubs.
+        Estimated largest traction error of each over the largest traction; zero without
+        tractions, NaN if the estimate failed. It does not affect the choice. Files of earlier
+        versions have none without friction.
     """
 
     count: int
@@ -108,7 +107,7 @@ def choose_normal_modes(
     rest: Callable[[System], Solution] | None = None,
     modes: Callable[[int], NormalModes] | None = None,
 ) -> NormalModeChoice:
-    """Find the normal modes that a transient under residual compliance needs for its pressures.
+    """Return the number of normal modes for the pressures of a transient with residual compliance.
 
     Parameters
     ----------
@@ -119,13 +118,13 @@ def choose_normal_modes(
     tolerance
         Largest pressure error of the reduction over the peak.
     step_tolerance
-        With it time steps are divided as by ``tolerance`` of :func:`faying.solve_transient`; all
-        numbers of modes take those of the first.
+        Tolerance for dividing time steps, as ``tolerance`` of :func:`faying.solve_transient`; all
+        numbers of modes take the steps of the first.
     rest
-        Returns the static solution that a reduced model starts from; by default the joint under
-        its bolts alone.
+        Function that returns the static solution from which a reduced model starts; by default
+        the joint under its bolts alone.
     modes
-        Returns so many of the lowest normal modes; unless given they are computed.
+        Function that returns a number of the lowest normal modes; by default they are computed.
 
     Raises
     ------
@@ -134,12 +133,12 @@ def choose_normal_modes(
 
     Notes
     -----
-    The first number tried, 5, 10, 20 … 320, is the one whose modes reach up to what the loads
-    excite, which one factorization counts. Each takes a Lanczos run, a projection and two reduced
-    transients (:func:`faying.transient_error`). More are tried until 2.5 times the estimate is
-    within the tolerance, modes have periods shorter than a step, or the last two estimates say that
-    320 modes would not do either. Estimates are no bounds. Tractions are estimated too, and often
-    off by several times as much.
+    Numbers are 5, 10, 20 … 320. The first one tried covers the excited frequencies, which one
+    factorization counts. Each takes a Lanczos run, a projection and two reduced transients
+    (:func:`faying.transient_error`). More are tried until 2.5 times the estimate is within the
+    tolerance, modes have periods shorter than a step, or the last two estimates indicate that 320
+    modes would not suffice. Estimates are no bounds. Those of tractions are often several times
+    less accurate.
 
     Examples
     --------
@@ -199,7 +198,7 @@ def choose_normal_modes(
 
 
 def _numbers(n_interior: int, first: int) -> list[int]:
-    """Return the numbers of modes to try, rising, from ``first`` or the last on."""
+    """Return the numbers of modes to try, in ascending order, from ``first`` or the last on."""
     doubled = [FEWEST_MODES]
     while doubled[-1] < MOST_MODES:
         doubled.append(2 * doubled[-1])
@@ -208,15 +207,15 @@ def _numbers(n_interior: int, first: int) -> list[int]:
 
 
 def _moved(model: Model, excited: float) -> int:
-    """Return how many modes lie below a frequency; none where they cannot be counted."""
+    """Return the number of modes below a frequency; 0 if they cannot be counted."""
     try:
         return count_modes_below(model, excited) if excited > 0 else 0
     except (InertiaError, NotEnoughMemoryError):
-        return 0  # what is then tried besides are fewer modes
+        return 0  # then fewer modes are tried first
 
 
 def _hopeless(estimates: list[float], count: int, tolerance: float) -> bool:
-    """Say whether errors that go on falling as they last did stay above the tolerance."""
+    """Return whether errors stay above the tolerance if they fall on at their last rate."""
     if len(estimates) < 2 or not np.isfinite(estimates[-1]):
         return False
     previous, now = estimates[-2:]
@@ -238,10 +237,10 @@ def excited_frequency(
 ) -> float:
     """Return the frequency [1/time] up to which a load excites what time steps follow.
 
-    An undamped oscillator of frequency f under a load F(t) is beside its static response by
-    ∫ F′(τ) cos 2πf(t − τ) dτ, in terms of what F does statically. Above the frequency returned that
-    is less than the tolerance at all instants, of every load over its own largest value; or a step
-    takes more than a radian of the oscillation.
+    An undamped oscillator of frequency f under a load F(t) differs from its static response by
+    ∫ F′(τ) cos 2πf(t − τ) dτ, relative to the static response to F. Above the frequency returned
+    this is less than the tolerance at all instants, for every load over its largest value; or a
+    step is longer than a radian of the oscillation.
     """
     times: Vector = step * np.arange(round(duration / step) + 1, dtype=np.float64)
     inputs = load.inputs(model, times) - AT_REST.inputs(model, np.zeros(1))
@@ -255,7 +254,7 @@ def excited_frequency(
 
 
 def _beside_static(forces: Matrix, times: Vector, frequency: float) -> float:
-    """Return the largest of the integrals of forces that are linear between instants."""
+    """Return the largest of these integrals for forces that are linear between instants."""
     step, turn = times[1], np.exp(2j * np.pi * frequency * times)[:, None]
     middle = np.sinc(frequency * step) * np.exp(1j * np.pi * frequency * step)
     changes = np.vstack([forces[:1], middle * np.diff(forces, axis=0)])

@@ -1,4 +1,4 @@
-"""What a joint does and bears along the motions of a curve over frequency."""
+"""Results of contact and bolts along the motions of a curve over frequency."""
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from faying.simulation.solution import Solution
 
 
 def drawn_curve(system: System, state: Solution, level: float, traced: Traced) -> ResponseCurve:
-    """Return the curve of motions, and the periods in which contact or bolts bear most."""
+    """Return the curve of motions, and the periods of the largest loads on contact or bolts."""
     names, points = boundary_components(system), traced.points
     rows = [_row(system, point) for point in points]
     parts = {
@@ -44,7 +44,7 @@ def drawn_curve(system: System, state: Solution, level: float, traced: Traced) -
 
 
 def _period(system: System, state: Solution, point: CurvePoint) -> Period:
-    """Return what points and bolts bear along the last period of a motion."""
+    """Return pressures and bolt forces along the last period of a motion."""
     loads, outputs, samples = point.problem.loads, point.motion.outputs, point.problem.samples
     added = dict(zip(system.bolts, loads.bolt_forces(outputs), strict=True))
     forces = _contact_forces(system, point)[0]
@@ -62,7 +62,7 @@ def _period(system: System, state: Solution, point: CurvePoint) -> Period:
 
 
 def harmonics_of(values: Matrix, count: int) -> ComplexMatrix:
-    """Return harmonics 0 … count (count + 1, n) of samples (n, N) that end with the period."""
+    """Return harmonics 0 … count (count + 1, n) from samples (n, N) that end with the period."""
     samples = values.shape[1]
     angle = 2 * np.pi * np.outer(np.arange(count + 1), np.arange(1, samples + 1)) / samples
     weights = np.where(np.arange(count + 1) > 0, 2.0, 1.0) / samples
@@ -88,7 +88,7 @@ def _contact_forces(system: System, point: CurvePoint) -> npt.NDArray[np.float64
 
 
 def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
-    """Return what contact and loads do in the last period of a motion."""
+    """Return the results of contact and loads in the last period of a motion."""
     problem, motion, contact = point.problem, point.motion, system.contact
     stuck, loads, N = problem.stuck, problem.loads, problem.samples
     forces, path, watched = _contact_forces(system, point), motion.path, problem.local.points
@@ -102,7 +102,7 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     ever, at_rest = closed.any(axis=1), stuck.forces[0] > 0
     bound, surfaces = contact.coefficients * at_rest, contact.slices.values()
     shares = [_share(weights[at], sticks[at], closed[at]) for at in surfaces if bound[at].any()]
-    # f du and forces of damping on du over a period, by the first harmonic and all.
+    # Work of f and of damping forces on du over a period, by the first harmonic and by all.
     orders = np.arange(problem.n_harmonic + 1)[:, None]
     damped = 1j * orders * harmonics_of(motion.outputs[loads.damped], problem.n_harmonic)
     first = harmonics_of(motion.outputs[:2], 1)[1]
@@ -124,6 +124,6 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
 
 
 def _share(weights: Vector, chosen: Mask, of: Mask) -> float:
-    """Return the least share (n, N) of an area that is chosen; none of no area."""
+    """Return the least chosen share (n, N) of an area; 0 for no area."""
     area = np.maximum(weights @ of, np.finfo(float).tiny)
     return float((weights @ chosen / area).min())

@@ -1,4 +1,4 @@
-"""Where the energy of a transient goes: the check that a time integration does its bookkeeping."""
+"""The energy balance of a transient, as a check of its time integration."""
 
 from dataclasses import dataclass
 
@@ -23,12 +23,12 @@ class EnergyBalance:
     strain
         ½ uᵀ K u, bolts and sticking springs included.
     contact
-        ½ λᵀ (D + R) λ: penetration and shear that the penalties admit, and deformation that a
-        reduced basis leaves to the residual compliance.
+        ½ λᵀ (D + R) λ: energy of the penalties in penetration and shear, and of the residual
+        compliance of a reduced model.
     dissipated
         ∫ vᵀ C v since the start.
     friction
-        What friction took since the start, zero without friction.
+        Energy dissipated by friction since the start, zero without friction.
     work
         Work of the boundary forces and load patterns since the start.
     bolt_work
@@ -46,12 +46,12 @@ class EnergyBalance:
 
     @property
     def stored(self) -> Vector:
-        """Kinetic energy and all that is stored elastically."""
+        """Kinetic energy and all elastic energies."""
         return self.kinetic + self.strain + self.contact
 
     @property
     def numerical_dissipation(self) -> Vector:
-        """Energy the integrator has lost since the start (negative: gained); zero if it were exact.
+        """Energy lost by the integrator since the start (negative: gained); zero if it were exact.
 
         Implicit Euler under constant forces can only lose. The generalized-α method with
         ``rho_infinity = 1`` keeps the balance to round-off while no contact point opens or closes.
@@ -61,7 +61,7 @@ class EnergyBalance:
 
 
 def energy_balance(solution: Solution) -> EnergyBalance:
-    """Compute the energies of a transient solution of a full or reduced model.
+    """Return the energies of a transient solution of a full or reduced model.
 
     Raises
     ------
@@ -70,12 +70,12 @@ def energy_balance(solution: Solution) -> EnergyBalance:
 
     Notes
     -----
-    In M v̇ + C v + K u = f + Gᵀλ the contact forces do the power λᵀG u̇ = λᵀṡ − λᵀ(D + R) λ̇, and
-    λᵀṡ vanishes since either the force or the slack s of a point is zero; hence the stored contact
-    energy; −λ_tᵀṡ_t is what friction takes. Work is summed by the trapezoidal rule and dissipation
-    with the mean velocity of each step, both of second order and exactly what the midpoint rule
-    balances. In the first step the force at its end counts, for the load jumps at t = 0+; the error
-    is of third order because the system starts at rest.
+    In M v̇ + C v + K u = f + Gᵀλ the power of the contact forces is λᵀG u̇ = λᵀṡ − λᵀ(D + R) λ̇.
+    λᵀṡ vanishes since either the force or the slack s of a point is zero; this gives the stored
+    contact energy, and −λ_tᵀṡ_t is the dissipation by friction. Work is summed by the trapezoidal
+    rule and dissipation with the mean velocity of each step, both of second order and exactly as
+    the midpoint rule balances them. In the first step the force at its end is taken, because the
+    load jumps at t = 0+; the error is of third order since the system starts at rest.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def energy_balance(solution: Solution) -> EnergyBalance:
 
 
 def _trapezoidal(forces: Matrix, displacements: Matrix) -> Matrix:
-    """Work (n_time - 1, n) of each input in each step."""
+    """Return the work (n_time - 1, n) of each input in each step."""
     mean = (forces[1:] + forces[:-1]) / 2
     mean[0] = forces[1]
     return mean * np.diff(displacements, axis=0)

@@ -1,4 +1,4 @@
-"""Envelopes over load cases or instants: the extremes at every contact point, and where from."""
+"""Envelopes over load cases or instants: the extremes at every contact point, and their cases."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
@@ -42,14 +42,14 @@ PICKS = {"max_pressure": np.argmax, "min_pressure": np.argmin, "max_gap": np.arg
 
 
 def envelope_of(solution: Solution, rows: Indices) -> Envelope:
-    """Return the envelope of the cases or instants of a solution that have the numbers ``rows``."""
+    """Return the envelope over the cases or instants of a solution, whose numbers are ``rows``."""
     pressure, gap = solution.pressure, solution.gap
     values = {"max_pressure": pressure, "min_pressure": pressure, "max_gap": gap}
     return _picked(values, dict.fromkeys(values, np.broadcast_to(rows[:, None], gap.shape)))
 
 
 def joined(parts: Iterable[Envelope]) -> Envelope:
-    """Return the envelope of several, in the order of their cases; there is at least one."""
+    """Return the envelope of several envelopes, at least one, in the order of their cases."""
     envelopes = list(parts)
     members = [field.name for field in fields(Envelope)]
     every = {name: np.array([getattr(part, name) for part in envelopes]) for name in members}

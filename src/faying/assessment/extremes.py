@@ -1,4 +1,4 @@
-"""The load case or place in which a number is least or most."""
+"""The load case or place of the smallest or largest value."""
 
 from collections.abc import Mapping
 from typing import TypeVar
@@ -7,12 +7,12 @@ Name = TypeVar("Name", str, tuple[str, str])
 
 
 def find_least(values: Mapping[Name, float]) -> tuple[Name, float]:
-    """Return the name of the least of some values, the first of several, and that value."""
+    """Return the name of the smallest value, the first of several, and that value."""
     name = min(values, key=values.__getitem__)
     return name, values[name]
 
 
 def find_most(values: Mapping[Name, float]) -> tuple[Name, float]:
-    """Return the name of the largest of some values, the first of several, and that value."""
+    """Return the name of the largest value, the first of several, and that value."""
     name = max(values, key=values.__getitem__)
     return name, values[name]

@@ -1,6 +1,6 @@
-"""The contact flexibility H factorized as certificates need it; a singular H with its range.
+"""The contact flexibility H, factorized for certificates; a singular H with its range.
 
-Equation numbers (C…) are of ``docs/theory/certificate.md``.
+Equation numbers (C…) are from ``docs/theory/certificate.md``.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from faying.digits import ROUND_OFF, SOLVED
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Flexibility:
-    """H = (T Tᵀ)⁺ with what certificates need of it.
+    """H = (T Tᵀ)⁺ in the form that certificates use.
 
     Attributes
     ----------
     H : (n_point, n_point) [length/force]
     half_inverse : (n_point, rank)
-        T with H⁺ = T Tᵀ, upper triangular of a definite H.
+        T with H⁺ = T Tᵀ, upper triangular for a definite H.
     range_basis : (n_point, rank) or None
         Orthonormal columns that span the range of a singular H; None where H is definite.
     """
@@ -34,7 +34,7 @@ class Flexibility:
     range_basis: Matrix | None
 
     def half(self, gaps: Matrix, *, back: bool = False) -> Matrix:
-        """Return x T (..., rank), whose square is xᵀ H⁺ x; back from there, x Tᵀ (..., n_point)."""
+        """Return x T (..., rank), whose square is xᵀ H⁺ x; with ``back`` x Tᵀ (..., n_point)."""
         if self.range_basis is not None:
             return np.asarray(gaps @ (self.half_inverse.T if back else self.half_inverse))
         columns = gaps.reshape(-1, gaps.shape[-1]).T
@@ -42,7 +42,7 @@ class Flexibility:
         return np.asarray(product.T.reshape(gaps.shape))
 
     def norms(self, functionals: Matrix) -> Vector:
-        """Return √(ℓᵀ H⁺ ℓ) (k,) of force functionals ℓ (k, n_point); infinite off the range."""
+        """Return √(ℓᵀ H⁺ ℓ) (k,) for force functionals ℓ (k, n_point); infinite off the range."""
         norms = np.linalg.norm(self.half(functionals), axis=-1)
         missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
         return np.where(missed > SOLVED * np.linalg.norm(functionals, axis=-1), np.inf, norms)
@@ -65,8 +65,8 @@ class Flexibility:
     def admissible(self, slack: Matrix, forces: Matrix) -> tuple[Matrix, Matrix]:
         """Return z ≥ 0 near ``forces`` with s − z in the range of H, and whether it exists (...).
 
-        A definite H admits every z. Otherwise the wish is projected and then lifted along the
-        uniform opening until no entry is negative, (C16).
+        A definite H admits every z. For a singular one the forces are projected and then lifted
+        along the uniform opening until no entry is negative, (C16).
         """
         if self.range_basis is None:
             return forces, np.ones(forces.shape[:-1], dtype=bool)

@@ -1,4 +1,4 @@
-"""A joint at rest, its modes and a harmonic load: what the levels of a frequency response share."""
+"""A joint at rest, its modes and a harmonic load, common to the levels of a frequency response."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -54,9 +54,9 @@ class ForcedJoint:
     ----------
     system
     stuck
-        Its points, those that are closed sticking.
+        Its points, with closed ones stuck.
     load : (n_dof, 2)
-        Both parts of it at level one.
+        Real and imaginary part of the load at level one.
     frequencies : (n,) [1/time]
         Rising.
     modes
@@ -83,7 +83,7 @@ class ForcedJoint:
     def of(
         cls, system: System, load: Mapping[str, complex], state: Solution, frequencies: Vector
     ) -> "ForcedJoint":
-        """Return the joint under a load, and the state that it vibrates about.
+        """Return the joint under a load, and the state about which it vibrates.
 
         Raises
         ------
@@ -227,13 +227,13 @@ class ForcedJoint:
             return Released(slides=True), None
 
     def _starts(self, problem: PeriodicProblem, released: "Released") -> list[Vector]:
-        """Return unknowns to begin the curve with: what is nearest first."""
+        """Return first guesses of the unknowns, the closest first."""
         driven, rest = 2 * np.pi * float(self.frequencies[0]), problem.loads.rest
         first = np.zeros((problem.n_harmonic + 1, rest.n_mode), dtype=complex)
         first[1] = problem.level * rest.swung(driven)[: rest.n_mode]
         starts = [problem.packed(first)]
         if released.slides:
-            # Where much more slips than sticks, the motion without friction is closer.
+            # Where slip prevails over stick, the motion without friction is closer.
             shapes, C = rest.shapes, self.system.C
             slipping = shapes.T @ (self.slipping @ shapes) + 1j * driven * (shapes.T @ (C @ shapes))
             slipping = slipping - driven**2 * np.eye(len(slipping))
@@ -260,7 +260,7 @@ class ForcedJoint:
         )
 
     def _first_order(self) -> int:
-        """Return a number of harmonics past the first that meets a mode which the load reaches."""
+        """Return the number of harmonics past the first that meets an excited mode."""
         modes = self.modes(MOST)
         reached = np.abs(modes.shapes.T @ self.load).max(axis=1)
         frequencies = modes.frequencies[reached > DECK_DIGITS * reached.max(initial=0.0)]
@@ -274,7 +274,7 @@ class ForcedJoint:
     def _changed(
         self, point: CurvePoint | None, order: int, samples: int | None, released: "Released"
     ) -> tuple[CurvePoint | None, float]:
-        """Return a point with other harmonics or modes, and its change, over it."""
+        """Return a point with other harmonics or modes, and its relative change."""
         if point is None:
             return None, 0.0
         coarse, worked = point.motion.harmonics, _work(point)
@@ -294,13 +294,13 @@ class ForcedJoint:
 @final
 @dataclass(frozen=True, kw_only=True)
 class Released:
-    """What of a joint slides as a whole in a motion, or opens as a whole."""
+    """Whether an interface slides or opens as a whole in a motion."""
 
     slides: bool = False
     opens: bool = False
 
     def joined(self, curve: ResponseCurve) -> "Released":
-        """Return it for all motions of a curve besides; those that were not found may slide."""
+        """Return this state combined with all motions of a curve; missed ones may slide."""
         contact = curve.contact
         if contact is None:
             return self
@@ -310,17 +310,17 @@ class Released:
 
 
 def linear_range(frequencies: Vector) -> Vector:
-    """Return frequencies (n,) that draw a linear curve over the range of others."""
+    """Return frequencies (n,) over the range of others, for a linear curve."""
     return np.linspace(frequencies[0], frequencies[-1], 300)
 
 
 def _work(point: CurvePoint) -> ComplexMatrix:
-    """Return the first harmonic of what both parts of the load move."""
+    """Return the first harmonic of the displacements along both parts of the load."""
     return np.asarray(harmonics_of(point.motion.outputs[:2], 1)[1])
 
 
 def _highest(points: Sequence[CurvePoint]) -> CurvePoint | None:
-    """Return the point at which the load moves most."""
+    """Return the point of the largest displacement along the load."""
     return max(points, key=lambda point: float(np.linalg.norm(_work(point))), default=None)
 
 

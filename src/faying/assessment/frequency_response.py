@@ -1,4 +1,4 @@
-"""Responses to harmonic loads by harmonics of a few modes: what friction and gaps make of them."""
+"""Responses to harmonic loads with friction and gaps, by harmonics of a few modes."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -28,7 +28,7 @@ def frequency_response(
     initial: Solution | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> FrequencyResponse:
-    """Compute the periodic motion of a joint under a harmonic load, with stick, slip and opening.
+    """Return the periodic motion of a joint under a harmonic load, with stick, slip and opening.
 
     Parameters
     ----------
@@ -38,16 +38,16 @@ def frequency_response(
         ``"boundary.component"``, or the name of a load pattern, to its complex amplitude F,
         f(t) = Re(F exp(iωt)): ``{"tip.Fz": 1.0, "tip.Fy": 1j}`` turns.
     frequencies : (n,) [1/time]
-        Rising. Where the curve bends there are points between, also past turning points.
+        In ascending order. Where the curve bends points are added, also past turning points.
     levels : (n_level,)
         Factors of the load.
     harmonics
-        Of the inertia of the modes. By default past the first one that meets a mode which the load
-        reaches, and three more until that changes no motion by ``tolerance``.
+        Number of harmonics of the modes. By default past the first one that meets an excited
+        mode, and three more until no motion changes by ``tolerance``.
     samples
         Increments of a period; by default 16 for each harmonic, 64 at least.
     tolerance
-        Change of a motion by three more harmonics, over it.
+        Relative change of a motion by three more harmonics.
     initial
         State to vibrate about, the last one of a path; by default the bolts are tightened with
         friction in one increment.
@@ -61,13 +61,13 @@ def frequency_response(
 
     Notes
     -----
-    Modes up to 1.5 times the highest harmonic, the third at least, have inertia and damping (F11),
-    everything else as in the stuck joint, which is exact (F17). Where all that is closed on an
-    interface slips or opens, what those modes miss of the joint without friction or contact joins
-    them. Each motion is two periods from the slip of the joint at rest; points that stick all the
-    time keep what came before, so that steady states are a family, a narrow one
-    (``docs/theory/friction.md``). Frequencies at which no motion was found are named in ``missed``
-    of their curve.
+    Modes up to 1.5 times the highest harmonic, the third at least, have inertia and damping (F11);
+    all other motion is as in the stuck joint, where this is exact (F17). If all closed points of an
+    interface slip or open, shapes of the joint without friction or contact are added to these
+    modes. Each motion is two periods from the slip of the joint at rest. Points that always stick
+    keep their earlier slip, so that steady states form a family, a narrow one
+    (``docs/theory/friction.md``). Frequencies without a solution are listed in ``missed`` of their
+    curve.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What first happens as a load grows: increments, and where in one of them it happens."""
+"""First events as a load grows: increments, and the load factor of an event within one."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -34,18 +34,18 @@ LARGEST_FACTOR = 10.0
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Growth(Generic[State]):
-    """What was found as a load grew.
+    """First events under a growing load.
 
     Attributes
     ----------
     factors
-        Event to the load factor at which it first happens, of those that do.
+        Event to the load factor at which it first happens; others are missing.
     states
         Event to the states there and before the increment in which it happens.
     largest
-        Load factor up to which the load grew.
+        Largest load factor of the path.
     stopped
-        Whether it ended there because the next increment had no solution.
+        Whether the path ended because the next increment had no solution.
     """
 
     factors: Mapping[str, float]
@@ -63,16 +63,15 @@ def first_events(
     largest: float,
     known: Sequence[State] = (),
 ) -> Growth[State]:
-    """Let a load grow until all of some events have happened, or to a factor.
+    """Increase a load until all of some events have happened, or up to a factor.
 
-    It grows in equal increments to its nominal value, from there on by the same share of itself.
-    The increment in which something first happens is cut where a chord says that it does
-    (Brent's method), or halved where no number says when, and what is left of
-    it again, so that the path goes there in smaller and smaller increments; each of them is taken
-    once, whatever happens in it.
+    The load grows in equal increments to its nominal value, then by the same share of its current
+    value. An increment in which an event first happens is cut at the zero of the event's number
+    (Brent's method), or halved for events without a number. The remainder is cut again, so that
+    increments shrink towards the event. Each is solved once for all events.
 
-    ``reach`` takes a load factor and the state before to the state there, in one increment. Where
-    the first increments lead may be known.
+    ``reach`` is a function of a load factor and the state before that returns the state there, in
+    one increment. ``known`` are states after the first increments, if they have been solved.
 
     Raises
     ------
@@ -108,8 +107,7 @@ def _cut_by_chords(
 ) -> tuple[float, tuple[State, State]]:
     """Return the factor at which a number reaches zero in an increment, states there and before.
 
-    States that are reached are added to those of the increment: where something else happens in it
-    is between them.
+    States on the way are added to those of the increment, for other events between them.
     """
     start = reached[min(reached)]
     nothing = SOLVED * left(start, start)
@@ -132,10 +130,10 @@ def _before(reached: Reached[State], factor: float) -> float:
 def _cut_by_halves(
     reach: Callable[[float, State], State], left: Event[State], reached: Reached[State]
 ) -> tuple[float, tuple[State, State]]:
-    """Return the factor at which something happens in an increment, states there and before."""
+    """Return the factor at which an event happens in an increment, states there and before."""
     low, high = min(reached), max(reached)
     lower, begun, smallest = reached[low], reached[high], (high - low) / 2**MOST_HALVINGS
-    # A joint that slips under next to no load does so at once: asked first, not after all halvings.
+    # A joint that slips under nearly no load is tested first, not after all halvings.
     middle = smallest if low == 0.0 else (low + high) / 2
     for _ in range(MOST_HALVINGS + 1):
         if high - low <= max(PRECISION * high, smallest):

@@ -1,4 +1,4 @@
-"""Parameters of a joint from measured backbones, by least squares, and how well they are known."""
+"""Parameters of a joint from measured backbones by least squares, and their uncertainty."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -31,20 +31,20 @@ Compute = Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Backbo
 @final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Identification(Shown):
-    """What measured backbones say of parameters.
+    """Parameters identified from measured backbones.
 
     Attributes
     ----------
     parameters
-        As they were given.
+        Given parameters.
     values
-        Name to the value that fits best.
+        Name to the best-fitting value.
     intervals
-        Name to both ends of its 95 % interval, cut at the range.
+        Name to both ends of its 95 % interval, within the range.
     correlations : (n_parameter, n_parameter) [1]
-        Between the errors of the values.
+        Correlations of the errors of the values.
     directions : (n_parameter, n_parameter) [1]
-        Rows: combinations of parameters, as shares of their ranges, the best known first.
+        Rows: combinations of parameters, as shares of their ranges, the most certain first.
     spreads : (n_parameter,) [1]
         Standard deviation along each direction, over the ranges.
     misfit : [1]
@@ -53,11 +53,11 @@ class Identification(Shown):
     residuals : (n_residual,) [1]
         Logarithm of computed over measured, over the scatter: curve by curve, frequencies first.
     curves
-        Name of each measured curve to the computed backbone that fits best.
+        Name of each measured curve to the best-fitting computed backbone.
     trials
-        How many values of the parameters were computed.
+        Number of computed sets of parameters.
     remarks
-        What the data do not tell, and what else a reader should know.
+        Remarks for the reader, also on parameters that the data do not determine.
     """
 
     parameters: tuple[Parameter, ...]
@@ -87,17 +87,17 @@ class Identification(Shown):
 def identify(
     compute: Compute, parameters: Sequence[Parameter], measured: Sequence[MeasuredCurve]
 ) -> Identification:
-    """Find the parameters whose backbones come closest to measured ones.
+    """Return the parameters whose backbones are closest to measured ones.
 
     Parameters
     ----------
     compute
-        From trials, each a mapping of names to values, to the backbones of each by the names of
-        the measured curves. Trials of one call may be computed side by side.
+        Function from trials, each a mapping of names to values, to the backbones of each by the
+        names of the measured curves. Trials of one call may be computed in parallel.
     parameters
-        Numbers with their ranges, which the search does not leave.
+        Numbers with their ranges, within which the search stays.
     measured
-        Curves with the scatter of what they have: ``frequency_scatter``, ``damping_scatter``.
+        Curves with scatter: ``frequency_scatter``, ``damping_scatter``.
 
     Returns
     -------
@@ -113,9 +113,9 @@ def identify(
     Notes
     -----
     Minimizes the squares of ln(computed/measured)/scatter at the measured amplitudes that the
-    backbones of the start reach, by SciPy's trust-region method with derivatives by differences: a
-    trial a step and one a parameter. Intervals are those of the linear problem at the end. Where
-    the model misses the data by more than their scatter, they are as much wider.
+    backbones of the start reach, by SciPy's trust-region method with derivatives by differences:
+    one trial per step and parameter. Intervals follow from the linear problem at the end. If the
+    misfit exceeds the scatter of the data, intervals are wider by the same factor.
 
     Examples
     --------
@@ -165,7 +165,7 @@ def identify(
 
 @dataclass(eq=False)
 class _Comparison:
-    """Deviations of computed from measured curves, which remembers what it has computed."""
+    """Deviations of computed from measured curves, with a memory of computed trials."""
 
     compute: Compute
     parameters: tuple[Parameter, ...]
@@ -174,7 +174,7 @@ class _Comparison:
     computed: dict[bytes, tuple[Vector, Mapping[str, Backbone]]] = field(default_factory=dict)
 
     def reach(self, start: Vector) -> None:
-        """Leave out measured amplitudes that the backbones of the start do not reach."""
+        """Exclude measured amplitudes that the backbones of the start do not reach."""
         (curves,) = self.compute([values_at(self.parameters, start)])
         for test in self.measured:
             reached = curves[test.name].amplitude
@@ -183,7 +183,7 @@ class _Comparison:
         self.computed[start.tobytes()] = (self._deviations(curves), curves)
 
     def residuals(self, trials: Sequence[Vector]) -> list[Vector]:
-        """Return the residuals (n_residual,) of shares of the ranges."""
+        """Return the residuals (n_residual,) for shares of the ranges."""
         missing = [point for point in trials if point.tobytes() not in self.computed]
         if missing:
             answers = self.compute([values_at(self.parameters, point) for point in missing])
@@ -221,7 +221,7 @@ class _Comparison:
 
 
 def _at(amplitude: Vector, reached: Vector, values: Vector, degree: int) -> Vector:
-    """Interpolate over the logarithm of the amplitude, by splines that go on past both ends."""
+    """Return values interpolated over the logarithm of the amplitude by splines."""
     order = np.argsort(reached)
     x, y = np.log(reached[order]), values[order]
     return np.asarray(make_interp_spline(x, y, k=min(degree, len(x) - 1))(np.log(amplitude)))
@@ -253,7 +253,7 @@ def _judged(
     names = [parameter.name for parameter in parameters]
     misfit = float(np.sqrt(residuals @ residuals / free))
     _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
-    # A direction that no number depends on is known by the ranges alone.
+    # A direction without effect on any number is limited by the ranges alone.
     with np.errstate(divide="ignore"):
         spreads = max(misfit, 1.0) / sizes
     finite = np.minimum(spreads, 1.0 / np.finfo(float).eps)
@@ -316,7 +316,7 @@ SMALLEST_NAMED_SHARE = 0.3
 
 
 def _combination(names: Sequence[str], direction: Vector) -> str:
-    """Say which parameters change along a direction, and which way."""
+    """Return a text on which parameters change along a direction, and in which sense."""
     direction = direction * np.sign(direction[np.argmax(np.abs(direction) >= SMALLEST_NAMED_SHARE)])
     parts = [
         (name, x)

@@ -1,4 +1,4 @@
-"""Recovery from the history of another program: modal coordinates, or forces at boundaries."""
+"""Recovery from histories of other programs: modal coordinates, or forces at boundaries."""
 
 from collections.abc import Mapping
 
@@ -26,28 +26,28 @@ def recover_from_modal(
     accelerations: Matrix | None = None,
     frame_motion: FrameMotion | None = None,
 ) -> Recovered:
-    """Recover pressures from a modal history that another program made.
+    """Recover pressures from a modal history of another program.
 
     Parameters
     ----------
     operator
-        Of the basis of the history: ``rom.recovery``, or :func:`recovery_operator` where supports
-        move.
+        Recovery matrices of the basis: ``rom.recovery``, or :func:`recovery_operator` for moving
+        supports.
     times : (n_time,) [time]
         Increasing.
     coordinates : (n_time, n_mode)
-        q in the order of the basis; read only where a derivative is missing.
+        q in the order of the basis; used only where a derivative is missing.
     load
         Boundary forces at those instants, e.g. as :class:`~faying.simulation.load.History`, and
         bolt forces.
     velocities, accelerations : (n_time, n_mode), optional
-        Derived from a cubic spline where missing: accelerations from the velocities where these
-        are given, otherwise from the coordinates. The error falls with the sampling interval, but
-        only to first order where contact changes. A spline rings across a jump of the load, and
-        implicit Euler's accelerations are not those of a smooth curve: export accelerations there,
-        or use :func:`backward_differences`.
+        Computed by a cubic spline where missing: accelerations from given velocities, otherwise
+        from the coordinates. The error falls with the sampling interval, but only to first order
+        where contact changes. A spline rings across a jump of the load, and implicit Euler's
+        accelerations are not those of a smooth curve: export accelerations there, or use
+        :func:`backward_differences`.
     frame_motion
-        Of the supports, where they move; coordinates are then relative to them.
+        Motion of the supports, if they move; coordinates are then relative to them.
 
     Raises
     ------
@@ -102,9 +102,9 @@ def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
 
 
 def backward_differences(times: Vector, coordinates: Matrix) -> tuple[Matrix, Matrix]:
-    """Return the velocities and accelerations implicit Euler had, from rest, at equal steps.
+    """Return the velocities and accelerations of implicit Euler, from rest, at equal steps.
 
-    Of coordinates (n_time, n_mode) these are (q₁ − q₀)/h and its difference over h; zero at the
+    For coordinates (n_time, n_mode) these are (q₁ − q₀)/h and its difference over h; zero at the
     first instant.
     """
     steps = np.diff(np.asarray(times, dtype=float))[:, None]
@@ -125,17 +125,17 @@ def recover_from_boundary_loads(
 ) -> Recovered:
     """Simulate a reduced model under imported boundary forces, then recover its pressures.
 
-    The best recovery there is: with ``compliance=True`` the reduced model itself has accurate
-    inertia forces, see ``docs/theory/recovery.md``.
+    The most accurate recovery: with ``compliance=True`` the inertia forces of the reduced model
+    are accurate, see ``docs/theory/recovery.md``.
 
     Parameters
     ----------
     times : (n_time,) [time]
-        Starting at zero, when the joint rests under its bolts.
+        Starting at zero, with the joint at rest under its bolts.
     forces
         ``"boundary.component"`` to forces or moments (n_time,), linear in between.
     step
-        Time step; the smallest interval between ``times`` unless given.
+        Time step; by default the smallest interval between ``times``.
 
     Raises
     ------
@@ -167,7 +167,7 @@ def recover_from_boundary_loads(
 def _derivatives(
     times: Vector, q: Matrix, v: Matrix | None, a: Matrix | None
 ) -> tuple[Matrix, Matrix]:
-    """Velocities and accelerations, by a cubic spline where they are missing."""
+    """Return velocities and accelerations, by a cubic spline where they are missing."""
     if v is not None and a is not None:
         return v, a
     if len(times) < 4 or not (np.diff(times) > 0).all():
