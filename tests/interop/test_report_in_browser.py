@@ -412,6 +412,19 @@ def test_labels_of_bolts_do_not_hide_one_another(browser, results, tmp_path, wid
 
 
 @pytest.mark.long
+def test_joint_stays_whole_in_a_window_that_gets_narrow(browser, address):
+    opened = Visit(browser, address, viewport={"width": 1280, "height": 900})
+    opened.page.set_viewport_size({"width": 390, "height": 2600})
+    opened.page.wait_for_function(
+        "() => { const { width } = document.querySelector('#view canvas'); return width < 400; }"
+    )
+    drawn = opened.pixels()[..., 3] > 0
+    opened.page.close()
+    assert drawn.any()
+    assert not drawn[:, [0, -1]].any()
+
+
+@pytest.mark.long
 def test_interfaces_at_rest_alone_are_shown_too(browser, results, tmp_path):
     """Without load cases and bolts there is still the joint as it is."""
     page = tmp_path / "report.html"

@@ -201,6 +201,7 @@ class Stage {
     this.camera.position.set(...target.map((end, axis) => end + distance * away[axis]));
     this.controls.target.set(...target);
     this.controls.update();
+    this.fitted = this.camera.position.clone();
     this.draw();
   }
 
@@ -210,7 +211,9 @@ class Stage {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    this.draw();
+    // What a reader has turned or come nearer to stays so.
+    if (this.fitted?.equals(this.camera.position)) this.fit();
+    else this.draw();
   }
 
   // Turn by angles, or come nearer by a factor: the keyboard's way.
