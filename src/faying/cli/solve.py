@@ -126,4 +126,6 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
             rows.append((label, value, entry["case"]))
         title = f"Worst of {group['count']} {name}"
         console.print(text_table(title, ("metric", "value", "at"), rows))
+    for line in summary.get("remarks", ()):
+        console.print(line, soft_wrap=True)
     console.print(f"Results are in {folder}", soft_wrap=True)

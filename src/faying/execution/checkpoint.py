@@ -1,12 +1,14 @@
 """Named bundles of arrays in a folder, written so that each is complete or absent."""
 
 import hashlib
+import json
 import shutil
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -106,25 +108,47 @@ class Checkpoint(Bundles):
         return self.folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
 
 
-def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:
+FINISHED = (
+    "All of this was finished before, of the same study and files, and nothing was computed; "
+    "without --resume it is computed anew"
+)
+
+
+def stamp_of(mark: str) -> str:
+    """Return what tells results of this version with a mark from all others."""
+    return hashlib.sha256(f"{__version__}\n{mark}".encode()).hexdigest()
+
+
+def finished_before(out: Path, mark: str) -> Mapping[str, Any] | None:
+    """Return what ``summary.json`` says, with a remark, where results of a mark are finished."""
+    try:
+        summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    if (out / "unfinished").exists() or summary.get("mark") != stamp_of(mark):
+        return None
+    return {**summary, "remarks": [*summary.get("remarks", ()), FINISHED]}
+
+
+def open_checkpoint(out: Path, mark: str, *, resume: bool) -> Checkpoint:
     """Open the checkpoint of a results folder, emptied unless the run resumes.
 
     Raises
     ------
     StudyError
-        If the run to resume had another study text or version of faying.
+        If the run to resume had another mark or version of faying.
     """
-    folder, mark = out / "unfinished", hashlib.sha256(f"{__version__}\n{study_text}".encode())
+    folder = out / "unfinished"
     stamp = folder / "study.sha256"
-    if resume and stamp.exists() and stamp.read_text() != mark.hexdigest():
+    if resume and stamp.exists() and stamp.read_text() != stamp_of(mark):
         refuse_study(
-            f"{folder} belongs to another version of this study or of faying; "
-            "run without --resume to start afresh"
+            f"{folder} belongs to another version of this study, of a file that it names, or of "
+            "faying; run without --resume to start afresh"
         )
     if not resume:
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)
-    write_text(stamp, mark.hexdigest())
+    write_text(stamp, stamp_of(mark))
     return Checkpoint(folder)
 
 

@@ -9,11 +9,12 @@ from typing import Any
 
 from faying.assessment.joint_verdict import MOST_NAMED
 from faying.assessment.transient_error import EXACT, REMEDY
-from faying.execution.checkpoint import results_in
+from faying.execution.checkpoint import finished_before, results_in, stamp_of
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
 from faying.linalg.threads import one_thread
 from faying.reduction.method import CLASSIC
+from faying.study.inputs.study_files import study_mark
 from faying.study.judgement.summary import summarize
 from faying.study.keys.tables import Study
 from faying.study.results.metric_table import write_frequency_tables
@@ -26,8 +27,10 @@ from faying.study.stages.full_transients import case_groups
 from faying.study.stages.normal_modes import normal_modes_of
 from faying.study.stages.offline import (
     Models,
+    assembled,
     build_bases,
     choose_counts,
+    joint_mark,
     prepare_joint,
     reduced_models,
 )
@@ -57,7 +60,7 @@ def run(
     out
         Receives ``results.h5``, ``summary.json``, ``study.toml``, interface and report files.
     resume
-        Continue an interrupted run of the same study.
+        Continue an interrupted run of the same study; of a finished one, compute nothing.
     executor
         Computes transients of the full model beforehand.
     since
@@ -70,12 +73,21 @@ def run(
         the folder. Solutions that do not converge
         are recorded instead, and so is validation that fails.
     """
-    with results_in(out, study.text, resume=resume) as checkpoint, ExitStack() as limits:
+    mark = study_mark(study)
+    if resume and (out / "results.h5").exists() and not (out / "unfinished").exists():
+        # A deck may include files that the study does not name.
+        _, model = assembled(study)
+        before = finished_before(out, mark + joint_mark(model))
+        if before is not None:
+            return before
+    with results_in(out, mark, resume=resume) as checkpoint, ExitStack() as limits:
         books = Books(progress, since, checkpoint)
         # Loaded after the folder was opened, since libraries print messages on a full disk.
         with books.timed("libraries"):
             limits.enter_context(one_thread())
         results = _computed(study, books, executor)
+        stamp = stamp_of(mark + str(checkpoint.get("joint")["mark"]))
+        results = replace(results, provenance={**results.provenance, "mark": stamp})
         _write_files(study, results, out, books)
         # Written again with the time of the report.
         return _write_summary(replace(results, timings=books.account()), out)

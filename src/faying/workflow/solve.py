@@ -15,7 +15,7 @@ from faying.assessment.case_metrics import WEAK_SHARE, weak_warnings
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
 from faying.exceptions import refuse_study
-from faying.execution.checkpoint import results_in
+from faying.execution.checkpoint import finished_before, results_in, stamp_of
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
 from faying.files.names import file_names
@@ -92,7 +92,11 @@ def solve_loads(
             "of preload_path_of(file) as tightening, or follow the loads with faying.solve_path"
         )
     path = tuple(tightening or ())
-    with results_in(out, _mark(rom, loads, chosen, path), resume=resume) as checkpoint:
+    mark = _mark(rom, loads, chosen, path)
+    before = finished_before(out, mark) if resume else None
+    if before is not None:
+        return before
+    with results_in(out, mark, resume=resume) as checkpoint:
         books = Books(progress)
         rest = rest_state(rom, path)
         solver = CaseSolver(
@@ -118,6 +122,7 @@ def solve_loads(
             files = _written(rom, static, transients, solver.named, out, chosen)
         summary = {
             "faying": __version__,
+            "mark": stamp_of(mark),
             "model": {"name": rom.name, "method": rom.method, "joint_modes": rom.joint_modes},
             "units": rom.units,
             **files,

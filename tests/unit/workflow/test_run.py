@@ -396,6 +396,38 @@ def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monk
     assert warnings == [failed]
 
 
+def test_a_finished_run_that_resumes_computes_nothing(tmp_path, monkeypatch):
+    path, table = tmp_path / "tiny.toml", tmp_path / "way.csv"
+    table.write_text("factor\n0.5\n1.0\n")
+    text = STUDY.replace(METHODS, '"compliance"')
+    text = text.replace('kind = "static"', 'kind = "path"\nfactors = "way.csv"', 1)
+    path.write_text(text[: text.index('[[load_case]]\nname = "jump"')] + NO_REPORT)
+    before = run(read_study(path), tmp_path / "out")
+    with monkeypatch.context() as patch:
+        patch.setattr(case_solution, "solve_static", _raise(AssertionError))
+        patch.setattr(offline, "tighten", _raise(AssertionError))
+        after = run(read_study(path), tmp_path / "out", resume=True)
+    assert dict(after) == {**before, "remarks": after["remarks"]}
+    assert "nothing was computed" in after["remarks"][-1]
+    table.write_text("factor\n0.5\n2.0\n")
+    more = run(read_study(path), tmp_path / "out", resume=True)
+    assert more["mark"] != before["mark"]
+
+
+def test_resuming_with_another_table_of_loads_is_refused(tmp_path, monkeypatch):
+    path, table = tmp_path / "tiny.toml", tmp_path / "way.csv"
+    table.write_text("factor\n0.5\n1.0\n")
+    path.write_text(STUDY.replace('kind = "static"', 'kind = "path"\nfactors = "way.csv"', 1))
+    with monkeypatch.context() as patch:
+        patch.setattr(runs, "validate", _raise(KeyboardInterrupt()))
+        patch.setattr(offline, "tighten", _raise(KeyboardInterrupt()))
+        with pytest.raises(KeyboardInterrupt):
+            run(read_study(path), tmp_path / "out")
+    table.write_text("factor\n0.5\n2.0\n")
+    with pytest.raises(StudyError, match="of a file that it names"):
+        run(read_study(path), tmp_path / "out", resume=True)
+
+
 def test_resuming_another_study_is_refused(study, tmp_path, monkeypatch):
     monkeypatch.setattr(case_solution, "solve_static", _raise(KeyboardInterrupt()))
     with pytest.raises(KeyboardInterrupt):

@@ -184,6 +184,10 @@ def test_interrupted_call_goes_on_where_it_was(rom, tmp_path, monkeypatch):
     texts = [(tmp_path / name / "metrics.csv").read_text() for name in ("part", "whole")]
     assert texts[0] == texts[1]
     assert not (tmp_path / "part" / "unfinished").exists()
+    solved.clear()
+    again = solve_loads(rom, loads, tmp_path / "part", resume=True)
+    assert not solved
+    assert "nothing was computed" in again["remarks"][-1]
     others = read_loads(random_loads(tmp_path / "many.csv", 30, seed=4), rom)
     (tmp_path / "part" / "unfinished").mkdir()
     (tmp_path / "part" / "unfinished" / "study.sha256").write_text("of something else")

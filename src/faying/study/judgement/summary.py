@@ -36,6 +36,7 @@ def summarize(results: Results) -> dict[str, Any]:
     """
     return {
         "faying": __version__,
+        "mark": results.provenance.get("mark", ""),
         "title": results.title,
         "units": results.units,
         "converged": not results.warnings,

@@ -93,6 +93,19 @@ class PreparedJoint:
         return certifier(self.model)
 
 
+def assembled(study: Study) -> tuple[LoadedModel, Model]:
+    """Return what a study's source has, and the model of it, not tightened.
+
+    Raises
+    ------
+    ModelError
+        As :func:`prepare_joint`.
+    """
+    loaded = load_model(study)
+    check_interfaces(study, loaded)
+    return loaded, build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
+
+
 def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
 
@@ -106,9 +119,7 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     books = books or Books()
     checkpoint = books.checkpoint
     with books.stage("assembly"):
-        loaded = load_model(study)
-        check_interfaces(study, loaded)
-        model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
+        loaded, model = assembled(study)
         check_loads(study, model)
         _ = model.K  # formed here, lest another stage be said to take as long
         check_same_joint(checkpoint, model)
@@ -296,15 +307,20 @@ def reduced_models(
     return models
 
 
-def check_same_joint(checkpoint: Bundles, model: Model) -> None:
-    """Refuse to go on with what was computed of another joint: a deck may have changed since."""
+def joint_mark(model: Model) -> str:
+    """Return what tells a joint from others."""
     contact, digest = model.contact, blake2b(digest_size=16)
     arrays = [model.K.data, model.K.indices, model.M.data, contact.interpolation.data]
     arrays += [contact.weights, contact.initial_gap, model.pattern_forces]
     arrays += [bolt.elongation for bolt in model.bolts.values()]
     for array in arrays:
         digest.update(array.tobytes())
-    mark = np.array(f"{digest.hexdigest()} {dict(contact.laws)}")
+    return f"{digest.hexdigest()} {dict(contact.laws)}"
+
+
+def check_same_joint(checkpoint: Bundles, model: Model) -> None:
+    """Refuse to go on with what was computed of another joint: a deck may have changed since."""
+    mark = np.array(joint_mark(model))
     if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
         refuse_study(
             "what an interrupted run left belongs to another joint: a deck, mesh or matrix of the "

@@ -1,0 +1,34 @@
+"""A study together with the files that it names."""
+
+import tomllib
+from collections.abc import Iterator
+from hashlib import blake2b
+
+from faying.study.keys.tables import Study
+
+BLOCK = 1 << 20
+"""Bytes that are read at a time."""
+
+
+def study_mark(study: Study) -> str:
+    """Return what tells a study, with the files that it names, from others."""
+    digest = blake2b(study.text.encode(), digest_size=16)
+    for text in _texts(tomllib.loads(study.text)):
+        path = study.path.parent / text
+        if path.is_file():
+            with path.open("rb") as file:
+                while block := file.read(BLOCK):
+                    digest.update(block)
+    return digest.hexdigest()
+
+
+def _texts(value: object) -> Iterator[str]:
+    """Yield the texts of a table, at any depth."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict):
+        for member in value.values():
+            yield from _texts(member)
+    elif isinstance(value, list):
+        for member in value:
+            yield from _texts(member)
