@@ -2,12 +2,10 @@
 
 import tomllib
 from collections.abc import Iterator
-from hashlib import blake2b
+from hashlib import blake2b, file_digest
+from os.path import isfile
 
 from faying.study.keys.tables import Study
-
-BLOCK = 1 << 20
-"""Bytes that are read at a time."""
 
 
 def study_mark(study: Study) -> str:
@@ -15,10 +13,9 @@ def study_mark(study: Study) -> str:
     digest = blake2b(study.text.encode(), digest_size=16)
     for text in _texts(tomllib.loads(study.text)):
         path = study.path.parent / text
-        if path.is_file():
+        if isfile(path):  # Path.is_file refuses long texts, as titles may be
             with path.open("rb") as file:
-                while block := file.read(BLOCK):
-                    digest.update(block)
+                digest.update(file_digest(file, "blake2b").digest())
     return digest.hexdigest()
 
 
