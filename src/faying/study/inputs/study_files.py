@@ -2,8 +2,8 @@
 
 import tomllib
 from collections.abc import Iterator
+from contextlib import suppress
 from hashlib import blake2b, file_digest
-from os.path import isfile
 
 from faying.study.keys.tables import Study
 
@@ -13,9 +13,9 @@ def study_mark(study: Study) -> str:
     digest = blake2b(study.text.encode(), digest_size=16)
     for text in _texts(tomllib.loads(study.text)):
         path = study.path.parent / text
-        if isfile(path):  # Path.is_file refuses long texts, as titles may be
-            with path.open("rb") as file:
-                digest.update(file_digest(file, "blake2b").digest())
+        # Most texts name no file; systems refuse some as paths, such as long titles.
+        with suppress(OSError, ValueError), path.open("rb") as file:
+            digest.update(file_digest(file, "blake2b").digest())
     return digest.hexdigest()
 
 
