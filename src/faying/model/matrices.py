@@ -1,6 +1,6 @@
 """Mass, damping and stiffness of an assembly on all 6 n_node degrees of freedom."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from faying.model.elements.bush import bush_matrices
 from faying.model.elements.geometry import check_shapes
 from faying.model.elements.stiffness import mass_coefficients, stiffness_blocks
 from faying.model.shell_matrices import NodePairs, shell_matrices
-from faying.model.solid_cells import check_nodes, mass_moments, materials_of
+from faying.model.solid_cells import check_nodes, materials_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -85,23 +85,31 @@ def assemble_matrices(assembly: Assembly) -> NodalMatrices:
 
 
 def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
-    """Return M u (n_node, 6) for motion u (n_node, 6) without forming the matrices of solids."""
-    forces = (_discrete_matrices(assembly)[0] @ motion.ravel()).reshape(-1, 6)
-    if assembly.matrices is not None:
-        placed = _expand(assembly.matrices, assembly.matrices.M, "M", len(motion))
-        forces = forces + (placed @ motion.ravel()).reshape(-1, 6)
+    """Return M u (n_node, 6) of motion u (n_node, 6) without forming the matrices of solids."""
+    forces = (_discrete_mass(assembly) @ motion.ravel()).reshape(-1, 6)
+    for cells, coefficients in _solid_masses(assembly):
+        np.add.at(forces[:, :3], cells, coefficients @ motion[cells, :3])
+    return np.asarray(forces)
+
+
+def _discrete_mass(assembly: Assembly) -> SparseMatrix:
+    """Return the mass of all but the solids."""
+    mass = _discrete_matrices(assembly)[0]
+    if assembly.matrices is None:
+        return mass
+    return mass + _expand(assembly.matrices, assembly.matrices.M, "M", len(assembly.mesh.nodes))
+
+
+def _solid_masses(assembly: Assembly) -> Iterator[tuple[Indices, Matrix]]:
+    """Yield nodes (n_cell, n_node) of solids, and the masses between them, piece by piece."""
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
-        check_nodes(block, element, len(motion))
+        check_nodes(block, element, len(assembly.mesh.nodes))
         materials, which = materials_of(assembly, block)
         density = np.array([m.density for m in materials])[which]
         for part in pieces(len(block.ids), (3 * element.n_nodes) ** 2):
             cells = block.nodes[part]
-            coordinates = assembly.mesh.nodes[cells]
-            check_shapes(element, coordinates, block.ids[part])
-            coefficients = mass_coefficients(element, coordinates, density[part])
-            np.add.at(forces[:, :3], cells, coefficients @ motion[cells, :3])
-    return np.asarray(forces)
+            yield cells, mass_coefficients(element, assembly.mesh.nodes[cells], density[part])
 
 
 def used_components(assembly: Assembly) -> Mask:
@@ -129,19 +137,13 @@ def mass_properties(assembly: Assembly) -> MassProperties:
     nodes = assembly.mesh.nodes
     # Far from the origin the term m r² of the centre would leave round-off of the inertia.
     origin = np.asarray(nodes.mean(axis=0)) if len(nodes) else np.zeros(3)
-    total, first, second = mass_moments(assembly, origin)
-    rigid = np.zeros((6, 6))
-    rigid[:3, :3] = total * np.eye(3)
-    x, y, z = first
-    rigid[3:, :3] = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
-    rigid[:3, 3:] = rigid[3:, :3].T
-    rigid[3:, 3:] = np.trace(second) * np.eye(3) - second
-    discrete = _discrete_matrices(assembly)[0]
-    if assembly.matrices is not None:
-        discrete = discrete + _expand(assembly.matrices, assembly.matrices.M, "M", len(nodes))
-    if discrete.nnz:
-        motion = rigid_body_motions(nodes, origin)
-        rigid += motion.T @ (discrete @ motion)
+    motion = rigid_body_motions(nodes, origin)
+    rigid = motion.T @ (_discrete_mass(assembly) @ motion)
+    translations = motion.reshape(-1, 6, 6)[:, :3]
+    for cells, coefficients in _solid_masses(assembly):
+        moved = translations[cells]
+        carried = coefficients @ moved.reshape(*cells.shape, -1)
+        rigid += np.tensordot(moved, carried.reshape(moved.shape), ([0, 1, 2], [0, 1, 2]))
     return _mass_properties(rigid, origin)
 
 

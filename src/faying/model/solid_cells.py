@@ -1,16 +1,15 @@
-"""Checks and rigid-body mass of solid cells, without their matrices."""
+"""Checks of solid cells, without their matrices."""
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices
 from faying.display.facts import listed
 from faying.exceptions import refuse_model
 from faying.linalg.pieces import pieces
 from faying.model.assembly import Assembly, Material
 from faying.model.cells import CellBlock
 from faying.model.elements import SolidElement, block_element
-from faying.model.elements.geometry import check_shapes, inverted_corners, volume_factors
-from faying.model.elements.solid_element import mass_tables
+from faying.model.elements.geometry import check_shapes, inverted_corners
 from faying.model.surface import unique_rows
 
 
@@ -88,27 +87,3 @@ def _check_once(assembly: Assembly) -> None:
                 f"mass would count twice there; remove one ({int((sizes - 1).sum())} such in all; "
                 "a .msh of version 2 lists cells of two physical groups twice: write version 4)"
             )
-
-
-def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Matrix]:
-    """Return ∫ρ dV, ∫ρ x dV (3,) and ∫ρ x xᵀ dV (3, 3) of all solids, x from an origin.
-
-    Integrated like the mass matrix, so that both agree for rigid motions.
-    """
-    moments = np.zeros((4, 4))
-    for block in assembly.mesh.blocks:
-        element = block_element(block, assembly.element)
-        check_nodes(block, element, len(assembly.mesh.nodes))
-        materials, which = materials_of(assembly, block)
-        density = np.array([m.density for m in materials])[which]
-        values, gradients = mass_tables(element)
-        weights = element.mass_quadrature().weights
-        for part in pieces(len(block.ids), 9 * element.n_nodes):
-            coordinates = assembly.mesh.nodes[block.nodes[part]] - origin
-            masses = weights[:, None] * volume_factors(gradients, coordinates) * density[part]
-            points = np.ones((4, *masses.shape))
-            for axis in range(3):
-                points[1 + axis] = values @ coordinates[:, :, axis].T
-            flat = points.reshape(4, -1)
-            moments += (flat * masses.ravel()) @ flat.T
-    return float(moments[0, 0]), moments[0, 1:], moments[1:, 1:]
