@@ -12,7 +12,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import normal_law
 from faying.joint.load_pattern import LoadPattern
-from faying.joint.system import Placed, boundary_dofs, elongations, port_compliance_of
+from faying.joint.system import boundary_dofs, elongations, port_compliance_of
 from faying.linalg.factorization import factorize
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
@@ -29,7 +29,7 @@ class SmallSystem:
     boundaries: Mapping[str, Boundary]
     bolts: Mapping[str, Bolt] = field(default_factory=dict)
     load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
-    interfaces: Mapping[str, Placed] = field(default_factory=dict)
+    interfaces: Mapping[str, object] = field(default_factory=dict)
     name: str = "small"
     units: str = "mm-t-s"
 

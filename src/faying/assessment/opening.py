@@ -1,6 +1,6 @@
 """Load factors at which a joint opens: where too little is left of what the preload presses."""
 
-from collections.abc import Callable, Mapping, MutableMapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar, final
 
@@ -12,8 +12,10 @@ from faying.assessment.requirements import OPEN_BELOW
 from faying.contact.contact import Contact
 from faying.contact.increment import Increment
 from faying.digits import SOLVED
+from faying.interface.interface import Interface
+from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
-from faying.joint.system import Joint, Placed
+from faying.joint.system import Joint
 from faying.model.bolt import Bolt
 from faying.simulation.solution import Solution
 from faying.simulation.static import port_forces
@@ -45,7 +47,9 @@ def area_name(interface: str, bolt: str = "") -> str:
 
 
 def areas_that_open(
-    interfaces: Mapping[str, Placed], slices: Mapping[str, slice], bolts: Mapping[str, Bolt]
+    interfaces: Mapping[str, Interface | ContactSurface],
+    slices: Mapping[str, slice],
+    bolts: Mapping[str, Bolt],
 ) -> dict[str, Mask]:
     """Return the points (n_point,) of every interface and, of several bolts, nearest to each."""
     numbers = np.arange(max((points.stop for points in slices.values()), default=0))
@@ -87,14 +91,11 @@ def opening_factors(
     areas: Mapping[str, Mask],
     *,
     open_below: float = OPEN_BELOW,
-    largest: float = LARGEST_FACTOR,
-    reached: MutableMapping[float, Increment] | None = None,
 ) -> Openings:
     """Find the factors at which a joint without friction opens under a static load.
 
     An area of points (n_point,) opens where less than a share of what is pressed at rest is left: 0
-    is nothing, 1 all. The search ends at the largest factor. What is reached of this load for other
-    areas is taken, and added to.
+    is nothing, 1 all. The search ends at :data:`~faying.assessment.growth.LARGEST_FACTOR`.
 
     Raises
     ------
@@ -113,12 +114,9 @@ def opening_factors(
     contact.check_cases()
     fixed, growing = growing_displacements(system, inputs)
     touching = SOLVED * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
-    cases = {} if reached is None else reached
 
     def reach(factor: float, start: Increment | None) -> Increment:
-        if factor not in cases:
-            cases[factor] = solver.solve(fixed + factor * growing, contact.offset(), start)
-        return cases[factor]
+        return solver.solve(fixed + factor * growing, contact.offset(), start)
 
     def pressed(case: Increment) -> Vector:
         return pressed_depth(contact, case.gap(solver.laws), touching)
@@ -131,7 +129,7 @@ def opening_factors(
         start,
         {name: opening_event(pressed, share, limit) for name, share in shares.items()},
         increments=DEFAULT_INCREMENTS,
-        largest=largest,
+        largest=LARGEST_FACTOR,
     )
     opened = {name: events.factors.get(name, np.inf) for name in shares}
     return Openings(opened=opened, followed=events.largest)

@@ -13,6 +13,7 @@ from faying.interface.clipping import areas
 from faying.interface.mismatch import LARGEST_COSINE
 from faying.interface.selection import DEFAULT_TOLERANCE
 from faying.linalg.pieces import PIECE_NUMBERS
+from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
 from faying.model.surface import Facets, facet_centres, facet_normals
 
@@ -52,7 +53,8 @@ def facet_depths(mesh: Mesh, facets: Facets) -> Vector:
         position = np.searchsorted(block.ids, facets.elements, sorter=order)
         row = order[np.minimum(position, len(order) - 1)]
         members = np.flatnonzero(block.ids[row] == facets.elements)
-        away = centres[members][:, None] - mesh.nodes[block.nodes[row[members]]]
+        corners = mesh.nodes[block.nodes[row[members], : SOLIDS[block.kind].n_corners]]
+        away = centres[members][:, None] - corners
         depths[members] = np.einsum("fnd,fd->fn", away, normals[members]).max(axis=1, initial=0.0)
     return depths
 

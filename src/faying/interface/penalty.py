@@ -4,16 +4,14 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from faying._typing import Vector
 from faying.contact.laws import Coulomb, Law
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError, refuse_model
 from faying.interface.coupling import Coupling
+from faying.interface.hidden_facets import facet_depths
 from faying.interface.interface import FacePairs
 from faying.model.assembly import Assembly
-from faying.model.elements import SOLIDS
-from faying.model.mesh import Mesh
-from faying.model.surface import Facets, facet_centres, facet_normals, padded
+from faying.model.surface import Facets, padded
 
 PENALTY_FACTOR = 10.0
 """Automatic penalty over E/h: the interface is then ten times stiffer than one element layer."""
@@ -55,7 +53,7 @@ def facet_penalty(assembly: Assembly, facets: Facets) -> float:
         )
     used = np.unique(facets.properties).tolist()
     modulus = min(assembly.materials[number].youngs_modulus for number in used)
-    return PENALTY_FACTOR * modulus / float(_heights(assembly.mesh, facets).mean())
+    return PENALTY_FACTOR * modulus / float(facet_depths(assembly.mesh, facets).mean())
 
 
 def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
@@ -68,21 +66,6 @@ def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
     nodes = np.concatenate([padded(side) for f in faces for side in (f.minus, f.plus)])
     position = assembly.mesh.exterior.positions(nodes)
     return assembly.mesh.exterior.taken(position[position >= 0])
-
-
-def _heights(mesh: Mesh, facets: Facets) -> Vector:
-    """Return the inward extent of the elements of facets, from these facets (n_facet,)."""
-    centres = facet_centres(mesh.nodes, facets)
-    normals = facet_normals(mesh.nodes, facets)
-    heights = np.zeros(len(facets))
-    for block in mesh.blocks:
-        order = np.argsort(block.ids)
-        rows = np.flatnonzero(np.isin(facets.elements, block.ids))
-        rows_in_block = order[np.searchsorted(block.ids, facets.elements[rows], sorter=order)]
-        corners = mesh.nodes[block.nodes[rows_in_block, : SOLIDS[block.kind].n_corners]]
-        inward = np.einsum("fcd,fd->fc", centres[rows][:, None] - corners, normals[rows])
-        heights[rows] = inward.max(axis=1, initial=0.0)
-    return heights
 
 
 TangentialPenalty: TypeAlias = float | Literal["auto"]

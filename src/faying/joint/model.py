@@ -167,7 +167,7 @@ class Model(Shown):
 
     def factorize_static(self) -> Factorization:
         """Return the factorization of K from that of the structure."""
-        return _StaticFactorization(structure=self.structure)
+        return self.structure
 
     def expand(self, states: Matrix) -> Matrix:
         """Return the states themselves, which are the free displacements."""
@@ -365,19 +365,3 @@ class Model(Shown):
 def _are_equal(first: SparseMatrix, second: SparseMatrix) -> bool:
     """Return whether two sparse matrices are equal."""
     return first.shape == second.shape and not (first != second).nnz
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _StaticFactorization:
-    """K of a structure, through its interior factorization and constraint modes."""
-
-    structure: Structure
-
-    @property
-    def backend(self) -> str:
-        """Backend of the interior factorization."""
-        return self.structure.interior_factor.backend
-
-    def solve(self, right_hand_side: Matrix) -> Matrix:
-        """Return K⁻¹ B."""
-        return self.structure.solve(right_hand_side)

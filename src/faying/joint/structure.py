@@ -220,13 +220,18 @@ class Structure(Frozen):
         except SingularMatrixError as error:
             raise self.unconstrained(self.constraint_modes @ error.motion) from None
 
+    @property
+    def backend(self) -> str:
+        """Name of the library that factorized K_ii."""
+        return self.interior_factor.backend
+
     def solve_held(self, forces: Matrix) -> Matrix:
         """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary held."""
         displacement = np.zeros(np.shape(forces))
         displacement[self.interior] = self.interior_factor.solve(forces[self.interior])
         return displacement
 
-    def solve(self, forces: Matrix) -> Matrix:
+    def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary free.
 
         For a free structure these are K⁺ f, (M11).
@@ -236,7 +241,7 @@ class Structure(Frozen):
         SingularMatrixError
             If the structure is not held without its boundary.
         """
-        loads = balanced(forces, self.rigid_motions, self.carried)
+        loads = balanced(right_hand_side, self.rigid_motions, self.carried)
         moved = self._solve_supported(loads)
         return balanced(moved, self.carried, self.rigid_motions)
 

@@ -16,6 +16,8 @@ from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, Stiffness
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
+from faying.interface.interface import Interface
+from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern, pattern_forces
 from faying.joint.weak_support import WeakSupport
 from faying.linalg.factorization import Factorization
@@ -142,22 +144,6 @@ class Joint(Protocol):
         """The static contact problem, its flexibility formed once."""
 
 
-class Placed(Protocol):
-    """The contact points of an interface."""
-
-    @property
-    def points(self) -> Matrix:
-        """Contact points (n_point, 3)."""
-
-    @property
-    def normals(self) -> Matrix:
-        """Unit normals out of the minus side (n_point, 3)."""
-
-    @property
-    def weights(self) -> Vector:
-        """Area of each contact point (n_point,)."""
-
-
 class System(Joint, Protocol):
     """A full or reduced model, as used by solvers."""
 
@@ -170,7 +156,7 @@ class System(Joint, Protocol):
         """Label of the consistent unit set."""
 
     @property
-    def interfaces(self) -> Mapping[str, Placed]:
+    def interfaces(self) -> Mapping[str, Interface | ContactSurface]:
         """Interfaces by name, in the order of the contact points."""
 
     @property

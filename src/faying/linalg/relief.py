@@ -56,19 +56,12 @@ class Relieved:
 
     def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return K⁺ B for B of shape (n,) or (n, k)."""
-        return self.elastic(self.factor.solve(self.balanced(right_hand_side)))
+        loads = balanced(right_hand_side, self.motions, self.carried)
+        return balanced(self.factor.solve(loads), self.carried, self.motions)
 
     def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
         """Return Bᵀ K⁺ B for B (n, k)."""
-        return self.factor.gram(self.balanced(dense(columns)))
-
-    def balanced(self, forces: Matrix) -> Matrix:
-        """Return Tᵀ f."""
-        return balanced(forces, self.motions, self.carried)
-
-    def elastic(self, displacements: Matrix) -> Matrix:
-        """Return T u."""
-        return balanced(displacements, self.carried, self.motions)
+        return self.factor.gram(balanced(dense(columns), self.motions, self.carried))
 
 
 def balanced(forces: Matrix, motions: Matrix, carried: Matrix) -> Matrix:

@@ -12,6 +12,7 @@ from faying.digits import ROUND_OFF, SOLVED
 from faying.linalg.factorization import MECHANISM
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
+from faying.model.matrices import rigid_body_motions
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock
 
@@ -108,7 +109,12 @@ def rigid_parts(assembly: Assembly, cuts: Sequence[Indices] = ()) -> Indices:
         ends = ends[:, ~np.isin(ends, cut).all(axis=0)]
     graph = sp.csr_array((np.ones(ends.shape[1]), tuple(ends)), shape=(n_node, n_node))
     _, part = connected_components(graph, directed=False)
-    new = np.intersect1d(block.nodes, np.flatnonzero(labels < 0))
+    return _continued(labels, block.nodes, part)
+
+
+def _continued(labels: Indices, nodes: Indices, part: Indices) -> Indices:
+    """Label nodes that have no label yet by the parts (n_node,) they are of."""
+    new = np.intersect1d(nodes, np.flatnonzero(labels < 0))
     _, number = np.unique(part[new], return_inverse=True)
     labels[new] = labels.max(initial=-1) + 1 + number.ravel()
     return labels
@@ -133,10 +139,7 @@ def _with_shells(assembly: Assembly, labels: Indices) -> Indices:
     ends = (first[apart], second[apart])
     graph = sp.csr_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(n_node, n_node))
     _, part = connected_components(graph, directed=False)
-    new = np.intersect1d(second, np.flatnonzero(labels < 0))
-    _, number = np.unique(part[new], return_inverse=True)
-    labels[new] = labels.max(initial=-1) + 1 + number.ravel()
-    return labels
+    return _continued(labels, second, part)
 
 
 def _rigid_shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
@@ -189,12 +192,5 @@ def _independent_motions(points: Matrix, components: Indices) -> Matrix:
 
 def rigid_motions(points: Matrix, components: Indices, origin: Vector) -> Matrix:
     """Return component ``components[i]`` of the six rigid motions at ``points[i]`` (n, 6)."""
-    motions = np.zeros((len(points), 6))
-    motions[np.arange(len(points)), components] = 1.0
-    # u = θ x r
-    for component in range(3):
-        rows = np.flatnonzero(components == component)
-        previous, following = (component + 2) % 3, (component + 1) % 3
-        motions[rows, 3 + following] = points[rows, previous] - origin[previous]
-        motions[rows, 3 + previous] = -(points[rows, following] - origin[following])
-    return motions
+    every = rigid_body_motions(points, origin).reshape(-1, 6, 6)
+    return every[np.arange(len(points)), components]
