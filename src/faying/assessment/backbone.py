@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, final
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Backbone(Frozen, Shown):
     """Frequency and damping of one mode at several amplitudes; arrays have one entry for each.

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from faying.exceptions import refuse_model
 from faying.units import units_of
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class BackboneBand(Frozen, Shown):
     """Bounds of frequency and damping over amplitude; arrays have one entry for each amplitude.

@@ -10,7 +10,6 @@ The other modes and the static remainder are those of the stuck joint.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -144,7 +143,6 @@ def backbone_response(
     )
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LinearResponse:
     """The stuck joint under a harmonic load, mode by mode.
@@ -231,7 +229,6 @@ class LinearResponse:
         )
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Estimate:
     """(F9) with ω and ζ between the amplitudes of a backbone."""

@@ -13,7 +13,7 @@ of z; equation numbers (C…) are from that page.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from faying.reduction.recovery import static_displacements
 from faying.simulation.load import Load
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Enclosure:
     """A ball that contains the exact contact forces λ*, for one or many candidates.
@@ -91,7 +90,6 @@ POWERS = (1, 2, 4)
 """Powers of the candidate that weigh the means from which the largest pressure is bounded."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Certificate(Frozen):
     """Certified bounds of the exact pressures, from a candidate.
@@ -147,7 +145,6 @@ class Certificate(Frozen):
         return bounds[measure]
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Certifier:
     """Certifies candidates for a model, with all that is independent of them precomputed.

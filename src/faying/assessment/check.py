@@ -1,7 +1,7 @@
 """A check of a bolt or an interface: value, limit, utilisation, and the decisive case."""
 
 from dataclasses import dataclass, replace
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 
@@ -12,7 +12,6 @@ PartKind = Literal["bolt", "interface"]
 """What is checked of a joint."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Check:
     """One check of one part of a joint.

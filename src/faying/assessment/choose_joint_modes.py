@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from faying.simulation.load import Load
 from faying.simulation.static import solve_static_cases
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointModeChoice(Frozen):
     """The number of joint modes for a tolerance.

@@ -6,7 +6,6 @@ not quasi-static matter. ``docs/theory/transient_accuracy.md`` has the measureme
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import final
 
 import numpy as np
 
@@ -41,7 +40,6 @@ LARGEST_RATIO = 1.25
 """Estimated error over the least of all from which on fewer modes are not as good as more."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NormalModeChoice(Frozen):
     """The number of normal modes for a pressure tolerance of a transient.

@@ -5,7 +5,6 @@ Equation numbers (C…) are from ``docs/theory/certificate.md``.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 import scipy.linalg as la
@@ -15,7 +14,6 @@ from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.digits import ROUND_OFF, SOLVED
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Flexibility:
     """H = (T Tᵀ)⁺ in the form that certificates use.

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import final
 
 import numpy as np
 import scipy.linalg as la
@@ -45,7 +44,6 @@ LARGEST_IMBALANCE = 0.02
 """Work of the load that damping and friction may miss before it is said."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ForcedJoint:
     """The joint at rest, its modes and the load.
@@ -291,7 +289,6 @@ class ForcedJoint:
         return fine, change / float(np.linalg.norm(worked))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Released:
     """Whether an interface slides or opens as a whole in a motion."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import final
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -28,7 +27,6 @@ Compute = Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Backbo
 """From values of the parameters, one mapping a trial, to backbones by the name of the curve."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class Identification(Shown):
     """Parameters identified from measured backbones.

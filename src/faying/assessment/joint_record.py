@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import final
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from faying.assessment.slip_demand import NO_DEMAND, SlipDemand
 from faying.assessment.strength.thread import ThreadStress
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ClampRange:
     """Clamp force of an area over all load cases.
@@ -75,7 +73,6 @@ def clamp_range(
     )
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class BoltBending:
     """Bending of a bolt over all load cases, the larger of those where its beams begin and end.
@@ -146,7 +143,6 @@ class CaseState:
     times: Vector | None = None
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltAssessment:
     """One bolt over all load cases.
@@ -198,7 +194,6 @@ class BoltAssessment:
     opening_around: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InterfaceAssessment:
     """One interface over all load cases.
@@ -265,7 +260,6 @@ class InterfaceAssessment:
     opened: Mapping[str, float] = field(default_factory=dict)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Assessment:
     """A joint judged over load cases.

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from typing import final
 
 import numpy as np
 import scipy.linalg as la
@@ -17,7 +16,6 @@ from faying.simulation.path import moved_alone
 from faying.simulation.solution import Solution
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Derivatives(Frozen):
     """Derivatives by some parameters; the last axis of every array is the parameter.
@@ -127,7 +125,6 @@ class Derivatives(Frozen):
         return np.asarray(np.einsum("...ipq,ipk->...pkq", values, tangents))
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class LinearIncrement:
     """An increment about which the solution is linear.

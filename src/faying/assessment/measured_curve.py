@@ -1,7 +1,6 @@
 """What a test measured of a mode over amplitude, beside the backbone that was computed."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -10,7 +9,6 @@ from faying.assessment.backbone import Backbone
 from faying.digits import SOLVED
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeasuredCurve(Frozen):
     """Frequency, damping or both of a mode at amplitudes.
@@ -54,7 +52,6 @@ class MeasuredCurve(Frozen):
     damping_scatter: float | None = None
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Deviations:
     """How far a backbone is from what was measured, at the amplitudes that it reaches.

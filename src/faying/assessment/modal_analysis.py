@@ -12,7 +12,7 @@ Chevallier & Dion 2013 and Lacayo & Allen 2019).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 
@@ -38,7 +38,6 @@ from faying.simulation.solution import Solution
 from faying.units import units_of
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalAnalysis:
     """What the amplitudes of a backbone share; each is computed alone, whatever was before it.

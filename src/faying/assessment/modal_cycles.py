@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Self, final
+from typing import Self
 
 import numpy as np
 
@@ -29,7 +29,6 @@ RESONANCE_WIDTH = 0.5
 """How far the square of a multiple may be from that of another mode, over it, to meet it."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Measure:
     """Where amplitudes are measured.
@@ -107,7 +106,6 @@ def _first(sizes: Vector, share: float) -> int:
     return int(np.argmax(sizes >= share * sizes.max()))
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Neighbours:
     """Other modes that a multiple of the frequency may meet, as a mode's inertia moves them.
@@ -168,7 +166,6 @@ class Neighbours:
         return np.where(np.abs(1 - ratio**2) < RESONANCE_WIDTH, far, 0.0)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalCycle:
     """What one amplitude gave; of ``met`` see :meth:`Swing.met`."""
@@ -190,7 +187,6 @@ class ModalCycle:
     met: Matrix
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Swing:
     """The preloaded joint under α M φ, seen through its contact and what is measured.

@@ -10,7 +10,6 @@ as for example F_n = λ_n − ⟨λ_n − r_n z_n⟩; z_t is then the slip of th
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 import scipy.sparse as sp
@@ -22,7 +21,6 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.joint.system import Joint
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NaturalMap:
     """What (F1) asks of a joint.

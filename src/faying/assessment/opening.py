@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TypeVar, final
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,7 +23,6 @@ from faying.simulation.static import port_forces
 State = TypeVar("State")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Openings:
     """Factors of one load at which a joint opens, infinite where it does not.

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 from scipy.stats import qmc
@@ -13,7 +13,6 @@ from faying.exceptions import refuse_model
 from faying.iterations import MOST_SOLVED
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """A number between two others; by its logarithm where both are positive.

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import final
 
 import numpy as np
 
@@ -78,7 +77,6 @@ class PreloadScatter:
             raise ModelError("; ".join(wrong))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Spread:
     """One metric of one load case over the tightenings.

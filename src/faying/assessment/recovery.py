@@ -14,7 +14,7 @@ derives it and says what limits it.
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +44,6 @@ from faying.simulation.solution_parts import some_states
 from faying.simulation.static import ContactStates, relative_forces
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recovered(ContactFields):
     """Pressures of the full model recovered from a reduced history or static solution.

@@ -7,7 +7,6 @@ settle under the load check it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -28,7 +27,6 @@ MOST_AMPLITUDES = 24
 """Amplitudes at most, each twice the one before: seven decades."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Resonance:
     """A mode and the load on it.
@@ -103,7 +101,6 @@ SETTLED = 2e-3
 """Change that is still to come, over the amplitude, at which a motion has settled."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SteadyState:
     """The last period of a transient.

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Peak:
     """Where a curve is highest.
@@ -44,7 +43,6 @@ class Peak:
     at_end: bool = False
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactInMotion:
     """What contact does along a curve, in one period of each point.
@@ -104,7 +102,6 @@ class ContactInMotion:
         return np.asarray(lost / (4 * np.pi * self.motion_energy))
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Period:
     """What contact points and bolts bear along one period of a motion.
@@ -127,7 +124,6 @@ class Period:
     bolt_moments: Mapping[str, Matrix]
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ResponseCurve:
     """Periodic motion under one level of a harmonic load; points in the order of the curve.
@@ -240,7 +236,6 @@ class ResponseCurve:
         )
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class FrequencyResponse(Shown):
     """Curves of several levels of one harmonic load.

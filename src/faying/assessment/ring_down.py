@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import final
 
 import numpy as np
 
@@ -26,7 +25,6 @@ FEWEST_SWINGS = 3
 """Half swings from which a damping ratio is told, and periods from which several are."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Decay:
     """A free motion, period by period.
@@ -117,7 +115,6 @@ def _extremes(t: Vector, x: Vector) -> tuple[Vector, Vector]:
     return t[inner] + offset * step, x[inner] + 0.25 * (low + high) * offset
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RingDown(Frozen):
     """A mode that rings down.

@@ -13,7 +13,6 @@ path of one state.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 
@@ -28,7 +27,6 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sensitivity:
     """A static solution or a path, ready for derivatives.

@@ -1,7 +1,6 @@
 """Frequency and damping of a mode from a measured frequency response around it."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -13,7 +12,6 @@ FEWEST = 5
 """Points of a response: five real unknowns of two numbers each need three, and some to spare."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SingleMode:
     """One mode of a frequency response.

@@ -12,7 +12,6 @@ derives it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import final
 
 import numpy as np
 
@@ -35,7 +34,6 @@ SMALLEST_FRICTION = DECK_DIGITS
 """Coefficient needed that is none: below that of any two surfaces; balance leaves 1e-14."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SlipDemand:
     """What an area without friction would need of it, over static load cases.

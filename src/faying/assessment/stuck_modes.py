@@ -1,7 +1,7 @@
 """Vibration modes of a joint in which every closed point sticks: small motions with friction."""
 
 from dataclasses import dataclass
-from typing import cast, final
+from typing import cast
 
 import numpy as np
 import scipy.linalg as la
@@ -21,7 +21,6 @@ from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StuckMode:
     """One mode.
@@ -63,7 +62,6 @@ def stuck_mode(system: System, state: Solution, number: int) -> StuckMode:
     )
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StuckModes:
     """All modes up to a frequency, and the static response of the same stuck joint.

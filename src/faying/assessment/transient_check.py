@@ -1,13 +1,11 @@
 """A motion by harmonics beside a transient of its own."""
 
 from dataclasses import dataclass
-from typing import final
 
 LARGEST_DIFFERENCE = 0.01
 """Difference of amplitudes up to which both agree."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TransientCheck:
     """The highest point of a curve, and where a transient at its frequency settles.

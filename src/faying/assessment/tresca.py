@@ -12,7 +12,6 @@ is left of (F1) is told as a residual. ``docs/theory/certificate.md`` derives it
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -27,7 +26,6 @@ from faying.reduction.recovery import static_displacements
 from faying.simulation.solution import Solution
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class IncrementCertificate:
     """How far the increments of a path are from those of the full model; one entry for each.

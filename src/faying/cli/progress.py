@@ -2,7 +2,7 @@
 
 from contextlib import AbstractContextManager, nullcontext
 from time import monotonic
-from typing import TYPE_CHECKING, Any, final
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from rich.console import Console
 
 
-@final
 class Lines:
     """Progress as lines on standard error, with the time since the first stage began."""
 

@@ -16,7 +16,7 @@ solution, forces rise from stage to stage.
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self, final
+from typing import Self
 
 import numpy as np
 
@@ -57,7 +57,6 @@ CONTRADICTORY = (
 """What is said where no stage is the last."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class SoftenedLaws:
     """Laws at points with an added compliance.
@@ -117,7 +116,6 @@ class SoftenedLaws:
         return np.asarray(self.laws.yielded(forces) + self.added[: len(forces)] * forces)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Level:
     """One size of the added compliance of stages.
@@ -152,7 +150,6 @@ class Level:
             return YieldingContact.on_springs(self.contact, self.between, self.laws.springs)
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Stage:
     """One stage: the problem with fixed multipliers on one level.
@@ -203,7 +200,6 @@ class Stage:
         return following, initial - across.taken(missed + across.shapes @ following.moved)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AugmentedContact(BetweenSolver):
     """Augmented Lagrangian solver of the contact problems of one structure, for any law."""
@@ -240,7 +236,6 @@ class AugmentedContact(BetweenSolver):
         return LoosenedAugmented(solver=self, springs=springs)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedAugmented:
     """Augmented contact with springs of prescribed force, if any."""

@@ -8,7 +8,7 @@ with both.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, TypeAlias, final
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from scipy.linalg import lapack
@@ -93,7 +93,6 @@ class BetweenPairs(Protocol):
         """
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class _Shared:
     """Pairs on springs, with the arguments from which they were formed."""
@@ -110,7 +109,6 @@ class _Shared:
         return all(map(np.array_equal, mine, theirs))
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Stiffness:
     """Σ of a structure; all its models share the pairs on springs formed from it.
@@ -146,7 +144,6 @@ class Stiffness:
             return shared.pairs
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class ByCompliance:
     """A structure given by its compliance.
@@ -212,7 +209,6 @@ class ByCompliance:
         return GluedPairs.of(G, springs, self, pressed)
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class ByStiffness:
     """A structure given by its stiffness, so that weak springs cost no digits.
@@ -267,7 +263,6 @@ class ByStiffness:
         return self.known.on_springs(G, springs, pressed)
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class BySubstitution:
     """A structure with too many pairs for dense matrices between them.

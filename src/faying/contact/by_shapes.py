@@ -1,7 +1,7 @@
 """A structure with too many pairs for dense matrices, given by the few shapes of its basis."""
 
 from dataclasses import dataclass
-from typing import NoReturn, final
+from typing import NoReturn
 
 import numpy as np
 from scipy.linalg import LinAlgError
@@ -12,7 +12,6 @@ from faying.linalg.sparse_compliance import Compliance, plus
 from faying.linalg.sparse_stiffness import refuse_dense
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class ByShapes:
     """A structure S = X C Xᵀ with fewer shapes than pairs and too many pairs for dense matrices.

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 import scipy.linalg as la
@@ -18,7 +17,6 @@ SINGULAR_PIVOT = 1e-7
 """Smallest over largest Cholesky pivot (condition 1e14) below which a block counts as singular."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DensePoints:
     """H (n_point, n_point) [length/force]; each linear system factorizes an active block."""

@@ -11,14 +11,12 @@ equilibrium.
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ForcedSprings:
     """Springs of prescribed force, which the structure between the pairs contains.

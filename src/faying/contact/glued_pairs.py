@@ -15,7 +15,7 @@ part.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Protocol, final
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import LinAlgError
@@ -57,7 +57,6 @@ class Condensed(Protocol):
         """S (n_relative, n_relative) [length/force] for Newton steps, which correct its errors."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GluedPairs:
     """Solves (Σ + Gᵀ K G) d = b.
@@ -254,7 +253,6 @@ class GluedPairs:
         return _ChangedPairs(nearest, rows, columns, block, right, nearest.moved_by(right))
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class _ChangedPairs:
     """The linear system (F7) for some K.

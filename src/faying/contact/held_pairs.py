@@ -5,7 +5,7 @@ serves Newton steps alone.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -39,7 +39,6 @@ a flange, whose pivots have 1e-2 and 6e-2).
 """
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class HeldPairs:
     """The structure on springs at its points.
@@ -151,7 +150,6 @@ def symmetric_product(matrix: npt.NDArray[Any], vector: Vector) -> Vector:
     return np.asarray(multiply(1.0, matrix.T, vector, lower=1), dtype=float)
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class NormalPairs:
     """The structure along the normals of its points; tangential displacements are held.

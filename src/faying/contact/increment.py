@@ -1,7 +1,7 @@
 """The contact state after an increment, and the interface of increment solvers."""
 
 from dataclasses import dataclass
-from typing import Protocol, Self, final
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ModelError
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Increment:
     """Contact forces and displacements after an increment.

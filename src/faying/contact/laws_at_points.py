@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self, final
+from typing import Self
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from faying.contact.contact import Contact
 from faying.contact.laws import Law
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LawsAtPoints:
     """The laws of all interfaces as one law with three components.

@@ -3,7 +3,7 @@
 import threading
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self, final
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -54,7 +54,6 @@ def _view(
     return used.view(dtype).reshape(n_rows, n_columns)
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class LU:
     """LU factors of the transpose of a matrix, in its own precision."""
@@ -80,7 +79,6 @@ class LU:
         return np.asarray(substitute(self.lu, self.pivots, right, trans=1)[0])
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class WholeFactors:
     """Factors of Σ + B for some K (n_point, components, components) [force/length]."""
@@ -89,7 +87,6 @@ class WholeFactors:
     lu: LU
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class PairSystem:
     """The matrix I + ΔB_rc U_cr.
@@ -124,7 +121,6 @@ class PairSystem:
         return LU.of(product)
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Factors:
     """Factors of a system between changed pairs: those of an earlier K, and an update to this K.
@@ -187,7 +183,6 @@ class Factors:
         return replace(self, K=K, system=replace(self.system, rows=together), update=update)
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Update:
     """Correction of factors for another K and more rows.

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,7 +9,6 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix, read_only
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PointSprings:
     """Assembles B = Gᵀ K G repeatedly; the map of entries from K to B is formed once.

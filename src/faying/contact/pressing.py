@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from faying.contact.increment import Increment, check_gaps, displaced
 from faying.exceptions import ConvergenceError
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PressingContact(BetweenSolver):
     """Active-set solver of contact problems without friction.
@@ -72,7 +70,6 @@ class PressingContact(BetweenSolver):
         return increment, solution.initial
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedPressing:
     """Frictionless contact with springs of prescribed force."""

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 from scipy.linalg import LinAlgError
@@ -14,7 +13,6 @@ from faying.linalg.singular import NotDefiniteError
 from faying.linalg.sparse_compliance import SparseCompliance
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SaddlePoints:
     """H = N S Nᵀ + D; forces at active points follow from a factorization of (F16).

@@ -7,7 +7,7 @@ With U = (Σ + B₀)⁻¹, where B₀ has the points closed that start closed in
 """
 
 from dataclasses import dataclass
-from typing import TypeGuard, cast, final
+from typing import TypeGuard, cast
 
 import numpy as np
 from scipy.linalg import LinAlgError, lapack
@@ -103,7 +103,6 @@ def solve_similar(
     return pressed.T, z.T, steps
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class _ChangedPoints:
     """U at the points that differ from the reference in some case.

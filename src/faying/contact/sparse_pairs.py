@@ -11,7 +11,7 @@ GMRES treats the dependence of tangential forces on pressure.
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NoReturn, final
+from typing import NoReturn
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -36,7 +36,6 @@ A cold case of 3228 points on a cylinder took 4.6 factorizations with 20, 6.2 wi
 """
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class SparseFactors:
     """Factors of the structure on springs at its points.
@@ -61,7 +60,6 @@ class SparseFactors:
     moved_across: Matrix
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SparsePairs:
     """Solves (Σ + Gᵀ K G) d = b.

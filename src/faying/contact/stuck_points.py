@@ -12,7 +12,7 @@ long as all other points stay closed and stuck, or open.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, cast, final
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -35,7 +35,6 @@ LEAST_GIVEN_WAY = 0.01
 which I − B T keeps digits in single precision: a flange has 0.24."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StuckPoints:
     """All contact points in the state at rest: closed ones on springs, the others open.
@@ -159,7 +158,6 @@ class StuckPoints:
         )
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LocalContact:
     """Points that may leave their springs.

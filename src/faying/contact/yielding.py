@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
 
 import numpy as np
 from scipy.linalg import LinAlgError
@@ -32,7 +31,6 @@ At 10 E/h it is about ten; at 1e8 gaps were off by a quarter of themselves.
 """
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Across:
     """A structure without some springs across its pairs, whose forces are prescribed.
@@ -63,7 +61,6 @@ class Across:
         return np.asarray(np.linalg.solve(self.yields, elongations), dtype=float)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class YieldingContact(BetweenSolver):
     """Solver of contact problems of one structure whose contact points all yield.
@@ -200,7 +197,6 @@ class YieldingContact(BetweenSolver):
         return solve_yielding(laws, pairs, nothing, at_first, start, pull=pull, moved_by=moved_by)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedContact:
     """Compliant contact with springs of prescribed force (T1)."""

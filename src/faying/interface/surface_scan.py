@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import final
 
 import numpy as np
 
@@ -16,7 +15,6 @@ HEIGHTS, GAPS = "z", "gap"
 """What the third column of a scan is called."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Scan(Frozen):
     """Samples of a surface, or of the gap between two.

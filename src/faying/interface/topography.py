@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 import scipy.ndimage as ndi
@@ -33,7 +33,6 @@ MOST_FILLED = 0.5
 """Distance to the nearest sample, over the cut-off, from which on a point lies in a hole."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ScanPlacement:
     """Position of a scan on an interface, and its processing.
@@ -64,7 +63,6 @@ class ScanPlacement:
     scale: float = 1.0
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Topography:
     """The gap of an interface from scans.
@@ -214,7 +212,6 @@ def _gaussian_mean(places: Matrix, values: Vector, points: Matrix, cutoff: float
     return np.asarray(total / np.maximum(share, np.finfo(float).tiny))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Crown:
     """Gap h (|s|/d)ⁿ at the distance s from a line.

@@ -2,7 +2,6 @@
 
 import struct
 from collections.abc import Iterator
-from typing import final
 
 import numpy as np
 
@@ -21,7 +20,6 @@ def looks_binary(content: bytes) -> bool:
     return b"\0" in content[:4]
 
 
-@final
 class BinaryFile:
     """An OP4 file of Fortran records: length, content, length."""
 

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterator
-from typing import final
 
 import numpy as np
 
@@ -19,7 +18,6 @@ _PACKED_WIDTH = 18
 """Row and length of a string in one integer stand alone in their line, eight columns or more."""
 
 
-@final
 class TextFile:
     """An OP4 file of lines."""
 

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
@@ -13,7 +12,6 @@ from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SmoothJoint:
     """A full or reduced model with frictionless contact, reduced to its ports.

@@ -1,14 +1,12 @@
 """Weak supports: springs between two bodies, one of which contact and friction alone would hold."""
 
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, frozen
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WeakSupport(Frozen):
     """Springs across the contact of two bodies, in all three directions at three pairs of nodes.

@@ -1,7 +1,7 @@
 """Cholesky factorization of dense matrices by LAPACK."""
 
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,6 @@ from faying.linalg.singular import MECHANISM, SingularMatrixError
 from faying.linalg.substitution import BLOCK, dense
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DenseFactorization:
     """Cholesky factor of a dense matrix."""

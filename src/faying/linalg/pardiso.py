@@ -4,7 +4,6 @@ import logging
 import threading
 import weakref
 from dataclasses import dataclass, field
-from typing import final
 
 import numpy as np
 import scipy.sparse as sp
@@ -27,7 +26,6 @@ As much at 110 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
 """
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PardisoFactorization:
     """Cholesky factor inside PARDISO, freed with this object.

@@ -12,7 +12,6 @@ dense matrices E s Eᵀ is M R c RᵀM, which shifts the rigid motions alone, fo
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 import scipy.linalg as la
@@ -27,7 +26,6 @@ PREFERRED = 1e3
 """How much more a place counts where springs are wanted: they lie there if these places hold."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Relieved:
     """The operator K⁺ of (M11) in place of an inverse.

@@ -6,7 +6,7 @@ model. S is never formed.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NoReturn, TypeAlias, final
+from typing import Any, NoReturn, TypeAlias
 
 import numpy as np
 import scipy.linalg as la
@@ -18,7 +18,6 @@ from faying.linalg.sparse_stiffness import SparseStiffness, refuse_dense
 from faying.linalg.substitution import symmetrized
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SparseCompliance:
     """S of the ports of a sparse matrix.

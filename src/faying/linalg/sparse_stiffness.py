@@ -11,7 +11,7 @@ doi:10.1137/1031049).
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, cached_property, partial
-from typing import Any, NoReturn, final
+from typing import Any, NoReturn
 
 import numpy as np
 import scipy.sparse as sp
@@ -25,7 +25,6 @@ from faying.linalg.relative_unknowns import with_relative_unknowns
 TINY = float(np.finfo(float).tiny)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SparseStiffness:
     """Σ between the ports of a sparse matrix, which is never formed.

@@ -1,7 +1,7 @@
 """LU factorization by SciPy's SuperLU, available on every platform."""
 
 from dataclasses import dataclass, replace
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -53,7 +53,6 @@ Plates and blocks of all element kinds lie within a factor of 1.8.
 """
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SuperluFactorization:
     """LU factors of a sparse symmetric matrix, made in SuperLU's symmetric mode.

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import final
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from faying.reduction.basis import Basis
 from faying.units import Units, units_of
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MeshShapes:
     """The mesh of a reduced model, and its trial vectors as displacements of all nodes.

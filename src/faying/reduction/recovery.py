@@ -5,7 +5,6 @@ matrices give the port displacements due to them. ``docs/theory/recovery.md`` de
 """
 
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 
@@ -20,7 +19,6 @@ from faying.simulation.frame_motion import frame_loads
 from faying.simulation.static import port_forces
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recovery(Frozen):
     """The data that recovery needs of a model and a basis: a few dense matrices.

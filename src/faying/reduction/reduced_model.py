@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import final
 
 import numpy as np
 
@@ -34,7 +33,6 @@ from faying.reduction.model_writer import write_model
 from faying.reduction.recovery import Recovery
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PortableJoint:
     """The full model reduced to its ports.
@@ -80,7 +78,6 @@ def at_its_ports(joint: Joint, ports: PortCompliance) -> PortableJoint:
     )
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class ReducedModel(Shown, ModelData):
     """A model in generalized coordinates q of u ≈ Φ q, Eq. (15.15), without the full model.

@@ -1,7 +1,6 @@
 """A compliance by sparse factors in files: the sparse matrix to factorize, and its shapes."""
 
 from dataclasses import dataclass
-from typing import final
 
 import h5py
 import numpy as np
@@ -13,7 +12,6 @@ from faying.linalg.sparse_compliance import Compliance, SparseCompliance
 from faying.linalg.sparse_stiffness import SparseStiffness
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StoredCompliance:
     """S = Q A⁻¹ Qᵀ + X C Xᵀ.

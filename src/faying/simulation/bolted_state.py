@@ -1,7 +1,6 @@
 """The state of a joint while its bolts are turned: some loose, others locked or of known force."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -14,7 +13,6 @@ from faying.joint.system import Joint
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltedState:
     """The state of a joint between two turns of its bolts.

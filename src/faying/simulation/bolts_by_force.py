@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 from scipy.linalg import LinAlgError
@@ -14,7 +13,6 @@ from faying.exceptions import ConvergenceError
 from faying.joint.system import Joint
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltsByForce:
     """The contact problem of a joint in which the forces of some bolts are prescribed.

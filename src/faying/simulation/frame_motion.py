@@ -12,7 +12,6 @@ order of u over the size of the joint.
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -23,7 +22,6 @@ N_FIELD = 12
 """Three translations, then e_i X_j row by row."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FrameMotion(Frozen):
     """Motion of the frame of a joint, in the axes of that frame, instant by instant.

@@ -16,7 +16,7 @@ vanish, about points that slip or are open. Of what is left of g, ρ, these make
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -39,7 +39,6 @@ FAST_CONVERGENCE = 0.2
 """What a step's system may leave, over what it begins with, for earlier factors to serve it."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LocalPath:
     """Where points were after each increment.
@@ -136,7 +135,6 @@ def follow_local(
     )
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class _BesideSprings:
     """Forces of points beyond their springs, from an anchor (components, n_point) on."""
@@ -150,7 +148,6 @@ class _BesideSprings:
         return forces - self.local.forces + self.local.springs * (moved - self.anchor), K
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class _Coordinates:
     """The structure between the coordinates, with the springs of the points."""
@@ -187,7 +184,6 @@ class _Coordinates:
         return symmetric_product(self.local.compliance, dg), dg, factors
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OffSprings:
     """The stiffness of points off their springs, between the coordinates, and its factors.

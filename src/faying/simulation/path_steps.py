@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 
@@ -23,7 +22,6 @@ steps each, and 17 and 15 from where the step had begun.
 """
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PathStep:
     """The state of a path after a load.

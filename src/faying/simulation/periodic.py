@@ -16,7 +16,7 @@ being springs (F10), and no force of contact is cut at H.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 import scipy.linalg as la
@@ -40,7 +40,6 @@ PERIODS = 2
 """Periods of a path; what the second leaves differed from its start by 1e-6 of the amplitude."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalLoads:
     """What is given in columns: both parts of f, then q, −M Y ẍ, and −C (φ q̇ + Y ẋ).
@@ -159,7 +158,6 @@ class ModalLoads:
         return {name: ends[:, number] for number, name in enumerate(bent)}
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Motion:
     """One periodic motion, solved or on the way there.
@@ -181,7 +179,6 @@ class Motion:
     outputs: Matrix
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Derivatives:
     """Derivatives by the unknowns and, in the last place, by ω.
@@ -204,7 +201,6 @@ class Derivatives:
         return replace(self, excess=[(rows[old], change) for old, change in self.excess])
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PeriodicProblem:
     """(F11) for one level of the load and one set of watched points.

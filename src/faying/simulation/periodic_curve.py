@@ -9,7 +9,7 @@ Deuflhard, Newton Methods for Nonlinear Problems, 2011, §3.3): residuals say no
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import cast, final
+from typing import cast
 
 import numpy as np
 import scipy.linalg as la
@@ -53,7 +53,6 @@ MOST_POINTS = 100
 """Points of a curve between two frequencies asked for."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurvePoint:
     """A solved motion on the curve, with its derivatives.
@@ -243,7 +242,6 @@ def _started(problem: PeriodicProblem, starts: Sequence[Vector], circular: float
     return cast("CurvePoint", point)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Traced:
     """Points of a curve, and the frequencies without a solution."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -71,7 +70,6 @@ def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) ->
     return solution_of(system, inputs, contact, name)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactStates:
     """Contact of some cases, instants or increments, which are the first axis of every array.

@@ -7,7 +7,7 @@ same local law, and the slip so far as state.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, cast, final
+from typing import Protocol, cast
 
 import numpy as np
 
@@ -36,7 +36,6 @@ class StepContact(Protocol):
         """
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class EndContact:
     """The law holds at the end of the step, and the forces there enter the balance."""
@@ -62,7 +61,6 @@ class EndContact:
         return np.array(acting), ends, states_after
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class MeanContact:
     """The mean forces of a step obey the law, and their work is bounded by the stored energy.

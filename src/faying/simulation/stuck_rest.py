@@ -11,7 +11,6 @@ method, one term has the error of two terms of the series.
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 import scipy.linalg as la
@@ -26,7 +25,6 @@ TERMS = 2
 none, 8e-7 with one, 1e-9 with two, the round-off of its modes."""
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StuckRest:
     """The motion (F17) in shapes and directions together.

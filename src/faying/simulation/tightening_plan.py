@@ -9,7 +9,6 @@ depend on the sequence too: the plan follows the whole sequence until the target
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -24,7 +23,6 @@ from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.tightening import checked_bolts
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TighteningPlan(Frozen):
     """A sequence of turns, each of one bolt, that brings all bolts to their targets.
@@ -155,7 +153,6 @@ def tightening_plan(
     )
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Walk:
     """Sequences of turns of bolts, from the locked joint.

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 
@@ -339,7 +338,6 @@ def with_threads(
     return replace(found, bolts={**found.bolts, **stressed}, checks=(*found.checks, *checks))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Safeties:
     """Least safeties.

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import dataclass
-from typing import final
 
 from faying.exceptions import refuse_model
 from faying.units import pascals
@@ -22,7 +21,6 @@ SAE = {"2": (55.0, 57.0, 74.0), "5": (85.0, 92.0, 120.0), "8": (120.0, 130.0, 15
 GRADE = re.compile(r"\d{1,2}\.[1-9]|A[1-5]-(?:50|70|80)|SAE (?:2|5|8)")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class BoltStrength:
     """Strength of what a bolt is made of.

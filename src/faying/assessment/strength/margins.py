@@ -6,7 +6,6 @@ Clamp force that a load takes stands for P_tL in (19).
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -59,7 +58,6 @@ def slip_margin(friction: float, clamp: float, shear: float, tension: float = 0.
     return friction * clamp / resisted - 1 if resisted > 0 else np.inf
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class TorqueTests:
     """Statistics of preloads measured at one torque, A.2.

@@ -7,7 +7,7 @@ n φ P_t, and what the load takes from the clamp force in place of P_tL.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, final
+from typing import Literal
 
 import numpy as np
 
@@ -40,7 +40,6 @@ MOST_FRICTION = 0.2
 UNTESTED = "μ above 0.2 takes a test (TFSR 14)"
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class DesignFactors:
     """What the design multiplies loads by.

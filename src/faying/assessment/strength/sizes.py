@@ -8,7 +8,6 @@ threads an inch themselves.
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import final
 
 from faying.display.plane import ROUND
 from faying.exceptions import ModelError, refuse_model
@@ -66,7 +65,6 @@ HEADS = ("ISO 4014", "ISO 4762", "ISO 7089")
 """Hexagon head, socket head, and a hexagon head on a plain washer."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Size:
     """A thread by its name, and what usually goes with it.

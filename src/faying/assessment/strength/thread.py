@@ -6,7 +6,7 @@ and so is the section modulus, W_S = π/32 ((d₂ + d₃)/2)³.
 """
 
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -202,7 +202,6 @@ def _metres(units: str) -> float:
     return LENGTHS[length]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class ThreadStress:
     """Stress in the stress area of a bolt over all load cases.

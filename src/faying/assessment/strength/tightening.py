@@ -7,7 +7,6 @@ factor α_A = F_max / F_min about the mean.
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -38,7 +37,6 @@ def force_of_utilisation(thread: Thread, utilisation: float, units: str) -> floa
     return float(used / np.hypot(1 / thread.stress_area, twisted))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PreloadRange:
     """How far the preload of a bolt may be from its nominal one, NASA-STD-5020B 4.3.1.

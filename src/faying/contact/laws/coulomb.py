@@ -1,7 +1,6 @@
 """Coulomb friction on elastic or hard normal contact."""
 
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 
@@ -13,7 +12,6 @@ LARGEST_FRICTION = 10.0
 """Coefficients above this are taken for a slip of the pen; dry metals have 0.05 to 1."""
 
 
-@final
 @dataclass(frozen=True)
 class Coulomb:
     """|λ_t| ≤ μ λ_n; slip opposes λ_t, and sticking points have a tangential stiffness.

@@ -1,7 +1,6 @@
 """Pressure that rises exponentially with closure."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -13,7 +12,6 @@ LAST_EXPONENT = 7.0
 """1 + c/c₀ beyond which the tangent goes on: 4466 times the named pressure, and e^s no overflow."""
 
 
-@final
 @dataclass(frozen=True)
 class ExponentialClosure(Curve):
     """p = p₀ s (e^s − 1)/(e − 1) with s = 1 + c/c₀; zero where s < 0, and p₀ where surfaces meet.

@@ -1,7 +1,6 @@
 """Pressure over closure of gaskets with permanent set: a table to load, lines to unload."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -11,7 +10,6 @@ from faying.contact.laws.table import TableClosure
 from faying.exceptions import ModelError
 
 
-@final
 @dataclass(frozen=True)
 class GasketClosure(TableClosure):
     """p(c) by a table up to the largest closure so far, and along a straight line back from there.
@@ -77,7 +75,6 @@ class GasketClosure(TableClosure):
         return ClosedGasket(gasket=self, deepest=deepest)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ClosedGasket(Curve):
     """A gasket at points that were closed before.

@@ -1,7 +1,7 @@
 """Hard contact: nothing penetrates, Eq. (15.7)."""
 
 from dataclasses import dataclass
-from typing import NoReturn, final
+from typing import NoReturn
 
 import numpy as np
 
@@ -10,7 +10,6 @@ from faying.contact.laws.unilateral import Unilateral
 from faying.exceptions import ModelError
 
 
-@final
 @dataclass(frozen=True)
 class Hard(Unilateral):
     """Unilateral contact without compliance (Signorini)."""

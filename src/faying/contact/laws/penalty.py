@@ -1,7 +1,6 @@
 """Penalty contact: pressure proportional to penetration, Eq. (15.12)."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -10,7 +9,6 @@ from faying.contact.laws.unilateral import Unilateral
 from faying.exceptions import ModelError
 
 
-@final
 @dataclass(frozen=True)
 class Penalty(Unilateral):
     """p = c_n ⟨−g⟩.

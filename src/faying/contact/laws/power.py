@@ -1,7 +1,6 @@
 """Pressure as a power of closure, as measured on machined surfaces."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -10,7 +9,6 @@ from faying.contact.laws.curve import Curve, check_positive
 from faying.exceptions import ModelError
 
 
-@final
 @dataclass(frozen=True)
 class PowerClosure(Curve):
     """p = p₀ (c/c₀)^m where c > 0.

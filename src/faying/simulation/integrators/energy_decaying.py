@@ -1,7 +1,6 @@
 """A second-order scheme whose energy cannot grow, whatever contact does."""
 
 from dataclasses import dataclass
-from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
@@ -11,7 +10,6 @@ from faying.simulation.integrators.spectral_radius import SpectralRadius
 from faying.simulation.step_contact import MeanContact, StepContact
 
 
-@final
 @dataclass(frozen=True)
 class EnergyDecaying(SpectralRadius):
     """Second order, chosen damping of unresolved frequencies, and no growth of energy.

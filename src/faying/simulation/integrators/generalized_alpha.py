@@ -1,7 +1,6 @@
 """Generalized-α (Chung & Hulbert 1993, doi:10.1115/1.2900803)."""
 
 from dataclasses import dataclass
-from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
@@ -11,7 +10,6 @@ from faying.simulation.integrators.spectral_radius import SpectralRadius
 from faying.simulation.step_contact import EndContact, StepContact
 
 
-@final
 @dataclass(frozen=True)
 class GeneralizedAlpha(SpectralRadius):
     """Second order with a chosen damping of frequencies that the step cannot resolve.

@@ -1,7 +1,6 @@
 """Implicit Euler, the seed's integrator (§15.4.3)."""
 
 from dataclasses import dataclass
-from typing import final
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
@@ -10,7 +9,6 @@ from faying.simulation.integrators.integrator import Motion
 from faying.simulation.step_contact import EndContact, StepContact
 
 
-@final
 @dataclass(frozen=True)
 class ImplicitEuler:
     """Backward differences for displacement and velocity; first order, strongly damping.

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import final
 
 import numpy as np
 
@@ -15,7 +14,6 @@ from faying.assessment.response_curve import (
 from faying.assessment.transient_check import TransientCheck
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LevelPeak:
     """Where the curve of a level is highest.
@@ -41,7 +39,6 @@ class LevelPeak:
         return None if contact is None else float(getattr(contact, name)[self.index])
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FrequencyRecord:
     """Responses to one harmonic load of a study.
