@@ -166,14 +166,16 @@ def suspension(model: Model) -> str:
     )
 
 
-def unconstrained(assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector) -> str:
+def unconstrained(
+    assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector, *, remedy: str = REMEDY
+) -> str:
     """Return a message on the free motions after a factorization of K found one.
 
     This motion (n_dof,) is one of possibly many.
     """
     free = free_motions(assembly, dofs, K)
     motions = free.motions if free.motions.shape[1] else motion[:, None]
-    return _message(assembly, dofs, free.labels, motions, REMEDY)
+    return _message(assembly, dofs, free.labels, motions, remedy)
 
 
 def _message(

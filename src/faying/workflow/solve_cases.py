@@ -211,8 +211,12 @@ class CaseSolver:
         solved, failed = self._solved(rows)
         with self.books.timed("certificates"):
             judged = [
-                (numbers, state, judge and judge.certify_inputs(state.inputs, state.pressure))
-                for numbers, state in solved
+                (
+                    n,
+                    state,
+                    None if judge is None else judge.certify_inputs(state.inputs, state.pressure),
+                )
+                for n, state in solved
             ]
         metrics = self._metrics(static=True)
         worst = self.options.worst
