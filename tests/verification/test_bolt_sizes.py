@@ -174,7 +174,7 @@ def test_a_bolt_of_a_source_takes_size_and_strength(tmp_path):
     keys = '5e3\nsize = "M6"\nstrength = { proof = 580.0, yield = 640.0, ultimate = 800.0 }\n'
     text = SMALL_JOINT.replace("5e3\n", keys, 1)
     found = parse_study(text, tmp_path / "joint.toml")
-    assert StudyBolts.of(found).threads["bolt"].proof_stress("mm-t-s") == 640.0
+    assert StudyBolts.of(found).threads["bolt"].strengths("mm-t-s").yields == 640.0
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import numpy as np
 from faying.contact.laws import Coulomb, Law
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError, refuse_model
-from faying.interface.coupling import Coupling
 from faying.interface.hidden_facets import facet_depths
 from faying.interface.interface import FacePairs
 from faying.model.assembly import Assembly
@@ -54,11 +53,6 @@ def facet_penalty(assembly: Assembly, facets: Facets) -> float:
     used = np.unique(facets.properties).tolist()
     modulus = min(assembly.materials[number].youngs_modulus for number in used)
     return PENALTY_FACTOR * modulus / float(facet_depths(assembly.mesh, facets).mean())
-
-
-def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
-    """Return 10 E/h [force/length³] from the elements on both sides of a mortar coupling."""
-    return facet_penalty(assembly, coupling.segments.minus.joined(coupling.segments.plus))
 
 
 def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:

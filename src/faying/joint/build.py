@@ -15,7 +15,7 @@ from faying.interface.gap_pairing import declared_area
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.interface.pairing import check_not_doubled, find_interfaces
-from faying.interface.penalty import automatic_penalty, coupling_penalty, with_friction
+from faying.interface.penalty import automatic_penalty, facet_penalty, with_friction
 from faying.interface.zero_thickness import build_interface
 from faying.joint.diagnosis import unconstrained
 from faying.joint.free_matrices import free_matrices
@@ -93,35 +93,29 @@ def build_model(
     >>> list(stiff.interfaces)
     ['lap']
     """
-    model = _build(assembly, interfaces, bolts, boundaries, damping, units)
+    model = structure_model(
+        assembly,
+        interfaces=interfaces,
+        bolts=bolts,
+        boundaries=boundaries,
+        damping=damping,
+        units=units,
+    )
     if not model.interfaces:
         refuse_model("the model has no interface; name one, or let faying find it with 'auto'")
     return model
 
 
-def model_without_contact(
+def structure_model(
     assembly: Assembly,
     *,
+    interfaces: Sequence[InterfaceSpec] = (),
     bolts: Sequence[BoltSpec] = (),
     boundaries: Sequence[BoundarySpec] = (),
     damping: Rayleigh | None = None,
     units: str = "mm-t-s",
 ) -> Model:
-    """Build the structure of a joint without its contact, for inspection.
-
-    Parameters and errors are those of :func:`build_model`.
-    """
-    return _build(assembly, (), bolts, boundaries, damping, units)
-
-
-def _build(
-    assembly: Assembly,
-    interfaces: Sequence[InterfaceSpec],
-    bolts: Sequence[BoltSpec],
-    boundaries: Sequence[BoundarySpec],
-    damping: Rayleigh | None,
-    units: str,
-) -> Model:
+    """Build as :func:`build_model`; without interfaces a structure for inspection."""
     assembly, bolts = _with_generated_bolts(assembly, bolts)
     axes = {spec.name: bolt_axis_element(assembly, spec) for spec in bolts if spec.nodes is None}
     seats = {name: element_seats(assembly, element) for name, element in axes.items()}
@@ -222,7 +216,8 @@ def _find_interfaces(
     area = declared_area(assembly, spec)
     if spec.meshes == "non-matching":
         for name, coupling in find_couplings(assembly, spec).items():
-            law = _law(assembly, spec, partial(coupling_penalty, assembly, coupling))
+            facets = coupling.segments.minus.joined(coupling.segments.plus)
+            law = _law(assembly, spec, partial(facet_penalty, assembly, facets))
             named_spec = replace(spec, name=name)
             joint = build_mortar_interface(assembly, dofs, named_spec, coupling, law)
             yield name, replace(joint, declared_area=area)
@@ -317,9 +312,7 @@ def _bolt(
         stiffness=stiffness,
         ends=_ends(assembly, spec),
         bending=moments,
-        shank=None
-        if spec.nodes is not None
-        else shank(assembly, spec).transformed(dofs.transformation),
+        shank=None if spec.nodes is not None else shank(assembly, spec, dofs.transformation),
     )
 
 

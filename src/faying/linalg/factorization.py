@@ -69,17 +69,6 @@ def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> Matrix
     return factorize_condensed(whole, np.diag(whole))
 
 
-def factorize_definite(A: SparseMatrix) -> MatrixFactorization:
-    """Factorize a sparse matrix; errors do not carry its softest motion.
-
-    Raises
-    ------
-    NotDefiniteError
-        If it is not positive definite.
-    """
-    return BACKENDS[chosen_backend(None)].factorize(A)
-
-
 def factorize_saddle(A: SparseMatrix) -> MatrixFactorization:
     """Factorize a sparse symmetric indefinite matrix with zeros on its diagonal.
 

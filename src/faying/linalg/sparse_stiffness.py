@@ -18,7 +18,8 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.exceptions import ModelError
-from faying.linalg.factorization import factorize, factorize_definite, factorize_saddle
+from faying.linalg.backends import BACKENDS, chosen_backend
+from faying.linalg.factorization import factorize, factorize_saddle
 from faying.linalg.interface import MatrixFactorization
 from faying.linalg.relative_unknowns import with_relative_unknowns
 
@@ -78,7 +79,7 @@ class SparseStiffness:
             If A and the springs leave a motion free.
         """
         both = self.matrix + self._transposed @ springs @ self.ports
-        return factorize_definite(both.tocsr().astype(precision))
+        return BACKENDS[chosen_backend()].factorize(both.tocsr().astype(precision))
 
     def pressing(self, rows: SparseMatrix, D: Vector) -> Callable[[Matrix], Matrix]:
         """Return a function from gaps (n_row, k) to the forces λ (n_row, k) that close them.

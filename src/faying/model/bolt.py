@@ -34,13 +34,9 @@ class Shank(Frozen):
     ends: Matrix
     across: SparseMatrix
 
-    def transformed(self, transformation: SparseMatrix) -> "Shank":
-        """Return the shank in other degrees of freedom u, displacements = transformation u."""
-        return replace(self, across=read_only((self.across @ transformation).tocsr()))
 
-
-def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
-    """Return the shank of a bolt of elements, with rows (6, 6 n_node) at the nodes.
+def shank(assembly: Assembly, spec: BoltSpec, transformation: SparseMatrix) -> Shank:
+    """Return the shank of a bolt of elements, for displacements = transformation u.
 
     Springs carry no force across their direction. Forces of beams are taken where they begin: along
     a shank without loads between its ends they are constant.
@@ -65,7 +61,7 @@ def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
         elements=tuple(element.id for element in chain),
         nodes=np.array([first, last]),
         ends=ends,
-        across=across,
+        across=read_only((across @ transformation).tocsr()),
     )
 
 

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from faying.exceptions import ModelError
 from faying.io import abaqus, nastran
-from faying.joint.build import model_without_contact
+from faying.joint.build import structure_model
 from faying.model.assembly import (
     Assembly,
     Beam,
@@ -328,4 +328,4 @@ def test_cells_listed_twice_are_refused(tmp_path):
         abaqus.read_joint(tmp_path / "a.inp"),
     ):
         with pytest.raises(ModelError, match="elements 1 and 2 have the same corners"):
-            model_without_contact(described.assembly)
+            structure_model(described.assembly)

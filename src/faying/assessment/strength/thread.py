@@ -183,16 +183,6 @@ class Thread:
         """
         return strength_of(self.grade, units) if self.strength is None else self.strength
 
-    def proof_stress(self, units: str) -> float:
-        """Return R_p0.2 [force/length²].
-
-        Raises
-        ------
-        ModelError
-            If it is not known what a pressure is in these units.
-        """
-        return self.strengths(units).yields
-
 
 def _metres(units: str) -> float:
     """Return how many metres the unit of length is."""
@@ -250,7 +240,7 @@ def thread_stress(
     axial, bending = float(stresses[worst]), float(outer[worst])
     torsion = torsion_of(thread, preload)
     reduced = float(np.sqrt((axial + bending) ** 2 + 3 * (WORKING * torsion) ** 2))
-    proof = thread.proof_stress(units)
+    proof = thread.strengths(units).yields
     return ThreadStress(
         axial=axial,
         bending=None if bent is None else bending,

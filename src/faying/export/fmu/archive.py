@@ -16,7 +16,7 @@ from faying.export.fmu.description import (
     fmi3_description,
 )
 from faying.export.fmu.library import compile_library, platform_folder, suffix
-from faying.export.fmu.resources import joint_file, read_me, recovery_file
+from faying.export.fmu.resources import joint_file, recovery_file
 from faying.export.fmu.variable import fmu_units, seconds
 from faying.export.fmu.variables import variables
 from faying.export.linearized import linearize
@@ -60,7 +60,7 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
     resources = {
         "resources/joint.bin": joint,
         "resources/recovery.npz": recovery_file(rom),
-        "resources/README.txt": read_me().encode(),
+        "resources/README.txt": (Path(__file__).parent / "resources.txt").read_bytes(),
     }
     second = path.with_name(f"{path.stem}_fmi3{path.suffix}")
     _pack(path, _members(common, 2) | resources)

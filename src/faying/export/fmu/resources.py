@@ -3,7 +3,6 @@
 import hashlib
 import io
 import uuid
-from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sp
@@ -136,11 +135,6 @@ def recovery_file(rom: ReducedModel) -> bytes:
         interface_stops=np.array([record.stop for record in contact.slices.values()]),
     )
     return file.getvalue()
-
-
-def read_me() -> str:
-    """Return the text that explains the resources."""
-    return (Path(__file__).parent / "resources.txt").read_text(encoding="utf-8")
 
 
 def _token(content: bytes) -> str:

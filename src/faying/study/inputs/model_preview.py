@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from faying.exceptions import ModelError
 from faying.interface.mortar import find_couplings
 from faying.interface.pairing import find_interfaces
-from faying.joint.build import model_without_contact
+from faying.joint.build import structure_model
 from faying.joint.diagnosis import FreeParts, free_parts
 from faying.joint.model import Model
 from faying.model.assembly import Assembly
@@ -82,7 +82,7 @@ def _without_joint(loaded: LoadedModel) -> Model:
 
 
 def _structure(loaded: LoadedModel) -> Model:
-    return model_without_contact(
+    return structure_model(
         loaded.assembly,
         bolts=loaded.bolts,
         boundaries=loaded.boundaries,
