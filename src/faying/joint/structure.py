@@ -220,11 +220,6 @@ class Structure(Frozen):
         except SingularMatrixError as error:
             raise self.unconstrained(self.constraint_modes @ error.motion) from None
 
-    @property
-    def backend(self) -> str:
-        """Name of the library that factorized K_ii."""
-        return self.interior_factor.backend
-
     def solve_held(self, forces: Matrix) -> Matrix:
         """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary held."""
         displacement = np.zeros(np.shape(forces))

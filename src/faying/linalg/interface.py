@@ -8,10 +8,6 @@ from faying._typing import Matrix, SparseMatrix
 class Factorization(Protocol):
     """A factorized matrix, or an equivalent operator; any thread may solve with it."""
 
-    @property
-    def backend(self) -> str:
-        """Name of the library that made the factors."""
-
     def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return A⁻¹ B for B of shape (n,) or (n, k)."""
 
@@ -19,6 +15,10 @@ class Factorization(Protocol):
 @runtime_checkable
 class MatrixFactorization(Factorization, Protocol):
     """The factors of one matrix, by one library."""
+
+    @property
+    def backend(self) -> str:
+        """Name of the library that made the factors."""
 
     @property
     def memory(self) -> int:
