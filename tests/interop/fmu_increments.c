@@ -8,8 +8,6 @@
 #include "linalg.c"
 #include "joint.c"
 #include "contact.c"
-#include "friction.c"
-#include "increments.c"
 
 /* A solver for a compliance S (r, r) between pairs and rows (n, r), (2 n, r) in compressed form,
  * with what laws yield D (3 n) and coefficients mu (n); NULL without memory. The arrays of the rows
@@ -20,8 +18,8 @@ void *make_solver(size_t n, size_t r, const double *S, const double *normal,
                   const double *mu)
 {
     struct joint *j = calloc(1, sizeof *j);
-    struct friction *f = calloc(1, sizeof *f);
-    if (!j || !f)
+    struct contact *c = calloc(1, sizeof *c);
+    if (!j || !c)
         return NULL;
     j->n_point = n;
     j->n_relative = r;
@@ -32,28 +30,28 @@ void *make_solver(size_t n, size_t r, const double *S, const double *normal,
     j->shear = shear;
     j->shear_start = shear_start;
     j->shear_column = shear_column;
-    if (create_friction(f, j) != 0)
+    if (create_contact(c, j) != 0)
         return NULL;
-    memcpy(f->S, S, r * r * sizeof *S);
-    memcpy(f->D, D, 3 * n * sizeof *D);
-    memcpy(f->mu, mu, n * sizeof *mu);
-    renew_friction(f);
-    return f;
+    memcpy(c->S, S, r * r * sizeof *S);
+    memcpy(c->D, D, 3 * n * sizeof *D);
+    memcpy(c->mu, mu, n * sizeof *mu);
+    renew_contact(c);
+    return c;
 }
 
 /* Solve an increment from forces x (3 n); returns the residual that is left. */
 double solve_increment(void *solver, const double *free_slack, double *x, double *slack)
 {
-    struct friction *f = solver;
-    const enum contact_status status = solve_friction(f, free_slack, x);
-    memcpy(slack, f->slack, 3 * f->n * sizeof *slack);
-    return status == CONTACT_NOT_FINITE ? INFINITY : f->left;
+    struct contact *c = solver;
+    const enum contact_status status = solve_contact(c, free_slack, x);
+    memcpy(slack, c->slack, c->size * sizeof *slack);
+    return status == CONTACT_NOT_FINITE ? INFINITY : c->left;
 }
 
 void free_solver(void *solver)
 {
-    struct friction *f = solver;
-    free((void *)f->joint);
-    free_friction(f);
-    free(f);
+    struct contact *c = solver;
+    free((void *)c->joint);
+    free_contact(c);
+    free(c);
 }

@@ -248,7 +248,7 @@ def test_a_step_that_is_not_solved_says_when_where_and_by_how_much(unzipped, tmp
         weak.fmu.doStep(3.0, 10 * STEP)
     (message,) = said
     wanted = (
-        r"at time 3\.0000\d+: friction was not solved: at contact point \d+ of interface 1 "
+        r"at time 3\.0000\d+: contact was not solved: at contact point \d+ of interface 1 "
         r"\d\.\de[+-]\d\d of the largest force is left; choose a smaller step, or a smaller "
         "coefficient of friction"
     )

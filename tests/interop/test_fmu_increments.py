@@ -24,6 +24,10 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+CONTRADICTORY = (0, 52, 64, 110, 118, 208)
+"""Paths on which points of hard contact contradict each other; ours refuses them too."""
+
+
 @pytest.fixture(scope="module")
 def compiled(tmp_path_factory):
     target = tmp_path_factory.mktemp("increments") / "increments.so"
@@ -43,7 +47,7 @@ def steps_of(solver, relatives):
 
 
 def test_increments_obey_the_law(compiled):
-    """Every fallback is passed; the law is written out again, in Python.
+    """The law is written out again, in Python.
 
     The whole of it is `python benchmarks/friction_robustness.py 4050` for ours.
     """
@@ -51,6 +55,8 @@ def test_increments_obey_the_law(compiled):
     for index in range(60):
         rng = np.random.default_rng(index)
         _, plain, relatives = joints.path(rng) if rng.random() < 0.5 else small_path(rng)
+        if index in CONTRADICTORY:
+            continue
         solver = IncrementsInC(compiled, plain)
         for before, here in steps_of(solver, relatives):
             halved = here.iterations != here.increment.iterations
@@ -59,11 +65,11 @@ def test_increments_obey_the_law(compiled):
             assert natural_residual(plain, here, slip) <= 1e-9, index
             solved += 1
         solver.close()
-    assert solved == 60 * INCREMENTS
+    assert solved == (60 - 2) * INCREMENTS
 
 
 def test_what_yields_is_solved_as_ours_solves_it(compiled):
-    """The last one not without fixed friction bounds; rigid contact may have several solutions."""
+    """The last one not without stages; rigid contact may have several solutions."""
     joints, compared = Joints(), 0
     for index in (*range(4, 30), 95):
         rng = np.random.default_rng(index)
@@ -84,7 +90,7 @@ def test_what_yields_is_solved_as_ours_solves_it(compiled):
     assert compared == 23 * INCREMENTS
 
 
-@pytest.mark.parametrize("index", [64, 118, 208])
+@pytest.mark.parametrize("index", CONTRADICTORY)
 def test_what_we_refuse_is_refused(compiled, index):
     """Points of hard contact that are more than the displacements beneath them."""
     rng = np.random.default_rng(index)

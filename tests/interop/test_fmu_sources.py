@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.contact.laws import Hard, Penalty
-from faying.exceptions import StudyError
+from faying.contact.laws import Penalty
 from faying.export import fmu as fmu_export
-from faying.export.fmu import archive, library, resources
+from faying.export.fmu import archive, library
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed (pip install fmpy)")
 
@@ -129,26 +128,6 @@ def drive(command, place):
     assert done.returncode == 0, done.stderr
 
 
-def rebuilt(unzipped, folder, *options):
-    """Copy of the extracted FMU whose library is compiled differently."""
-    place = shutil.copytree(unzipped, folder / "rebuilt")
-    target = next((place / "binaries").glob("*/*"))
-    source = place / "sources" / "fmi2.c"
-    strictly_compiled(place, target, "-O3", "-shared", "-fPIC", *options, source=source)
-    return place
-
-
-@pytest.mark.long
-def test_pairs_give_what_points_give(given, unzipped, tmp_path):
-    """The way for interfaces of a thousand points and more, here on a small one."""
-    place = rebuilt(unzipped[2], tmp_path, "-DMANY_POINTS=1")
-    system, bolt = given, given.bolts["bolt"].initial_force
-    ours = fy.solve_transient(system, fy.Load(FORCES), step=STEP, duration=N_STEP * STEP)
-    chosen = outputs(system)
-    result = simulate(place, held([0.0], FORCES, bolt), {}, output=list(chosen))
-    assert_equal(result, ours, chosen)
-
-
 PLATES = {"plates": 3, "shape": "hex20", "element_size": 10.0, "hole_radius": 0.0}
 """Eight-node facets have more points than displacements, and weak springs bring round-off."""
 
@@ -225,14 +204,6 @@ def test_milliseconds_become_seconds(given, tmp_path):
     assert_equal({"tip.uz": result["tip.uz"], "tip.vz": result["tip.vz"],
                   "joint.max_pressure": 1e3 * result["joint.max_pressure"]},
                  ours, {name: values[name] for name in chosen})  # fmt: skip
-
-
-def test_hard_contact_at_very_many_points_is_refused(given, monkeypatch, tmp_path):
-    contact = given.contact
-    hard = replace(given, contact=replace(contact, laws={"joint": Hard()}))
-    monkeypatch.setattr(resources, "MOST_HARD_POINTS", contact.n_points - 1)
-    with pytest.raises(StudyError, match="hard contact at 112 points is too large for an FMU"):
-        fmu_export.write(hard, tmp_path / "hard.fmu")
 
 
 def test_several_interfaces_bolts_and_nodes(given, tmp_path):

@@ -273,14 +273,16 @@ class LoosenedAugmented:
                     break
                 level -= 1
                 continue
-            previous, left = left, _relative_change(forces, following.forces)
+            change = _relative_change(forces, following.forces)
+            if left <= SETTLED and residual <= ROUND_OFF and change >= left:
+                break  # round-off: further stages gain nothing
+            previous, left = left, change
             residual = left / solver.levels[level].hardness
             if begun is not None and left <= 10.0 * ROUND_OFF:
                 break  # a problem that begins at its solution keeps the last digits of that
             forces, initial, begun, anew = following.forces, initial_forces, None, False
             steps += following.iterations
-            gains = ROUND_OFF < left <= SLOW * previous
-            if left <= SETTLED and residual <= ROUND_OFF and not gains:
+            if left <= ROUND_OFF:
                 break
             if left <= SMALL and (level < USUAL or left > SLOW * previous):
                 level = min(level + 1, len(LEVELS) - 1)

@@ -22,9 +22,6 @@ TOKEN_LENGTH = 64
 N_HEADER = 16
 """Bytes of the token and words of the header, as ``sources/joint.c`` reads them."""
 
-MOST_HARD_POINTS = 8192
-"""Points of hard contact, which is solved between points: two dense matrices, 1 GB."""
-
 _STARTS = (Kind.RHO, Kind.INTEGRATOR, Kind.START_LOADED)
 """Parameters whose start values stand behind the step size."""
 
@@ -39,11 +36,6 @@ def joint_file(rom: ReducedModel, step_size: float) -> tuple[bytes, str]:
     """
     refuse_expanding_bolts(rom)
     contact, residual = rom.contact, rom.contact.residual_compliance
-    if contact.n_points > MOST_HARD_POINTS and not np.isfinite(contact.penalty).all():
-        refuse_study(
-            f"hard contact at {contact.n_points} points is too large for an FMU, which takes "
-            f"{MOST_HARD_POINTS}; use nodal quadrature or a penalty"
-        )
     if rom.rigid_motions.shape[1]:
         refuse_study(
             "nothing holds the joint, and an FMU begins with a state of rest that its supports "

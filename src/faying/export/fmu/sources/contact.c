@@ -1,444 +1,594 @@
-/* The contact problem s = H l + g >= 0, l >= 0, l's = 0 with H = N S N' + D.
+/* Contact at the points of a joint, with or without friction.
  *
- * S is the compliance between node pairs, N takes it to the contact points, D is the flexibility of
- * the penalty. The active set is found by block principal pivoting with Murty's rule as backup
- * (Judice & Pires 1994); a singular H by the proximal point iteration (Rockafellar 1976). Both are
- * those of faying.contact.active_set, with the same constants.
+ * With the compliance S between pairs, the rows G that take displacements of pairs to gaps and
+ * tangential displacements at the points, and ``free``, which holds these without contact forces,
+ * less the slip so far, points move by z = free + G S p under forces p between pairs. Laws answer
+ * x = admissible(-z / Y), where points yield Y per force, and a problem is
  *
- * Factorizations are kept until the active set changes. They are a function of the set alone, so
- * that a restored state continues with the same bits. */
+ *     R(p) = p - G'x(free + G S p) = 0.                                                      (F8)
+ *
+ * A Newton step solves (I + G'K G S) dp = -R, K = -dx/dz, and is taken as far as S dp R vanishes
+ * along it. Where a law does not yield, points yield d besides, about forces x_k of the stage
+ * before, as often as it takes until these stay the same:
+ *
+ *     x = admissible((d x_k - z) / (D + d)).                                                (F1a)
+ *
+ * Methods and constants are those of faying.contact.newton_descent and faying.contact.augmented.
+ * Vectors of points have all normal components, then, with friction, those along all first
+ * tangents, then along all second ones. Factors are kept until K changes, of which they are a
+ * function, so that a restored state continues with the same bits. */
 
+#include <float.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Exchanges of the whole active set without progress before single ones take over. */
-#define BLOCK_ATTEMPTS 20
-/* Sign violations below this fraction of the largest gap are noise, as is what round-off makes of
- * sums over the sum of their magnitudes. */
-#define ROUND_OFF 1e-13
-#define EPSILON 2.220446049250313e-16
-/* Proximal term over the largest diagonal of H. */
-#define PROXIMAL_FRACTION 1e-7
-#define PROXIMAL_STEPS 200
-/* Points from which systems of pairs are smaller and faster. */
-#ifndef MANY_POINTS
-#define MANY_POINTS 1000
+/* Residual of a Newton step over the largest force at which a problem is solved, and which is
+ * accepted where round-off allows no less. */
+#define NEWTON_ROUND_OFF 2e-15
+#define SOLVED 1e-9
+#ifndef NEWTON_STEPS
+#define NEWTON_STEPS 100
 #endif
-/* Smallest over largest pivot below which H counts as singular (condition 1e14). */
-#define SINGULAR_PIVOT 1e-7
-/* Added to the diagonal of B, relative: it is singular where a facet has one active point. */
-#define SINGULAR_SPRINGS 1e-12
+/* Parts of slope or residual that a whole step, or one of another length, may leave. */
+#define LARGEST_REMAINDER 0.5
+#define FLAT 0.1
+#define LENGTH_TRIALS 8
+/* Length of a step below which the next one fixes friction bounds; how many may be as short. */
+#define SHORT_STEP 0.15
+#define MOST_SHORT 8
+/* Share of the forces before below which the largest force is no measure. */
+#define SMALLEST_FORCE_SHARE 1e-4
+/* What tangential forces are scaled by, so that points at their bound slip on at first. */
+#define SLIP_ON_SCALE (1.0 + 1e-9)
+/* Stages: what the structure yields at a point over d, from level to level and usually; changes of
+ * forces over the largest one, and over the change before. */
+#define SOFTEST 0.1
+#define N_LEVEL 9
+#define USUAL_LEVEL 4
+#define STAGES 40
+#define STAGE_ROUND_OFF 1e-12
+#define SMALL_CHANGE 0.1
+#define SLOW_CHANGE 0.3
+#define SETTLED_CHANGE 1e-6
+/* Part of its bound by which a tangential force is less where a point sticks. */
+#define ON_THE_BOUND 1e-6
 
-enum contact_status { CONTACT_SOLVED, CONTACT_SINGULAR, CONTACT_UNSETTLED, CONTACT_NOT_FINITE };
+enum contact_status { CONTACT_SOLVED, CONTACT_UNSETTLED, CONTACT_NOT_FINITE };
+
+/* Vectors of points and of pairs that a solver has room for. */
+#define POINT_VECTORS 9
+#define PAIR_VECTORS 7
 
 struct contact {
     const struct joint *joint;
-    size_t n; /* points */
-    int by_pairs;
-    double *H; /* (n, n) without D; nothing where systems of pairs are solved */
-    double *S; /* (n_relative, n_relative); nothing where systems of points are solved */
-    double *D, *diagonal; /* (n) */
-    double delta; /* proximal term on the diagonal */
+    size_t n, size;            /* points; components of force at all of them */
+    double *S;                 /* (n_relative, n_relative) */
+    double *mu;                /* (n) */
+    double *D, *own;           /* (size) what laws and structure yield at points */
+    double *slack;             /* (size) gaps and slip of the last solution */
+    double left;               /* residual of the last solution, over the largest force */
+    size_t worst;              /* the point whose force changed most in the last stage */
 
-    /* Factorization of the last active set. */
-    int factored;
-    double factored_delta;
-    unsigned char *factored_active;
-    size_t n_active, n_touched;
-    size_t *index;   /* active points */
-    size_t *touched; /* pairs they touch */
-    size_t *place;   /* of a pair among those touched */
-    size_t *order;   /* row exchanges of an LU factorization */
-    double *U;       /* of H at the active points; or LU factors of I + B S at the pairs touched */
-    double *U_B;     /* of B at the pairs touched, made regular */
-
-    double *work, *pairs, *slack, *target; /* (n), (3 n_relative), (n), (n) */
-    unsigned char *wrong;
+    double *yields;            /* (size) Y */
+    double *z, *moved;         /* (size) where points are, and how a step moves them */
+    double *found, *tried, *tried_z; /* (size) */
+    double *K, *factored_K;    /* (n, 3, 3) */
+    double *M, *B;             /* (n_touched, n_touched) factors of I + B S, and B = G'K G */
+    double *p, *dp, *dy, *rest, *tried_rest, *right, *known; /* (n_relative) */
+    size_t n_touched, *touched, *place, *order;              /* (n_relative) */
+    int is_factored;
 };
 
 static void free_contact(struct contact *c)
 {
-    free(c->H);
     free(c->S);
-    free(c->D);
-    free(c->factored_active);
-    free(c->index);
-    free(c->U);
+    free(c->mu);
+    free(c->touched);
     memset(c, 0, sizeof *c);
 }
 
 /* Allocate for a joint; returns 0, or -1 without memory. */
 static int create_contact(struct contact *c, const struct joint *joint)
 {
-    const size_t n = joint->n_point, r = joint->n_relative;
+    const size_t n = joint->n_point, r = joint->n_relative, size = n_component(joint) * n;
     memset(c, 0, sizeof *c);
     c->joint = joint;
     c->n = n;
-    c->by_pairs = n >= MANY_POINTS && 2 * r <= n;
-    for (size_t i = 0; i < joint->n_interface; i++)
-        if (!isfinite(joint->penalty[i]))
-            c->by_pairs = 0; /* B needs a penalty */
-    const size_t size = c->by_pairs ? r : n;
-    c->H = c->by_pairs ? NULL : malloc((n * n + 1) * sizeof *c->H);
-    c->S = malloc((r * r + 1) * sizeof *c->S);
-    c->D = calloc(5 * n + 3 * r + 1, sizeof *c->D);
-    c->factored_active = calloc(2 * n + 1, 1);
-    c->index = calloc(n + 3 * r + 1, sizeof *c->index);
-    c->U = malloc(((c->by_pairs ? 2 : 1) * size * size + 1) * sizeof *c->U);
-    if (!(c->H || c->by_pairs) || !c->S || !c->D || !c->factored_active || !c->index || !c->U) {
+    c->size = size;
+    c->S = malloc((3 * r * r + 1) * sizeof *c->S);
+    c->mu = calloc(n + POINT_VECTORS * size + 18 * n + PAIR_VECTORS * r + 1, sizeof *c->mu);
+    c->touched = calloc(3 * r + 1, sizeof *c->touched);
+    if (!c->S || !c->mu || !c->touched) {
         free_contact(c);
         return -1;
     }
-    c->diagonal = c->D + n;
-    c->work = c->diagonal + n;
-    c->slack = c->work + n;
-    c->target = c->slack + n;
-    c->pairs = c->target + n;
-    c->wrong = c->factored_active + n;
-    c->touched = c->index + n;
+    c->M = c->S + r * r;
+    c->B = c->M + r * r;
+    double **of_points[POINT_VECTORS] = {&c->D,     &c->own,   &c->slack, &c->yields, &c->z,
+                                         &c->moved, &c->found, &c->tried, &c->tried_z};
+    double **of_pairs[PAIR_VECTORS] = {&c->p,          &c->dp,    &c->dy,   &c->rest,
+                                       &c->tried_rest, &c->right, &c->known};
+    double *place = c->mu + n;
+    for (size_t i = 0; i < POINT_VECTORS; i++, place += size)
+        *of_points[i] = place;
+    for (size_t i = 0; i < PAIR_VECTORS; i++, place += r)
+        *of_pairs[i] = place;
+    c->K = place;
+    c->factored_K = place + 9 * n;
     c->place = c->touched + r;
     c->order = c->place + r;
-    c->U_B = c->by_pairs ? c->U + size * size : NULL;
     return 0;
 }
 
-/* y += N x: gaps at points (n) from relative displacements (n_relative). */
-static void add_interpolated(const struct joint *j, double *y, const double *x)
+/* ---- between pairs and points ---- */
+
+/* One row of G: a component at a point from the pairs. */
+struct row {
+    size_t n;
+    const double *value;
+    const uint64_t *column;
+};
+
+static struct row row_of(const struct joint *j, size_t component, size_t point)
 {
-    for (size_t p = 0; p < j->n_point; p++)
-        for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
-            y[p] += j->interpolation[e] * x[j->column[e]];
+    const size_t i = component ? (component - 1) * j->n_point + point : point;
+    const uint64_t *start = component ? j->shear_start : j->row_start;
+    const size_t first = (size_t)start[i];
+    const struct row row = {(size_t)start[i + 1] - first,
+                            (component ? j->shear : j->interpolation) + first,
+                            (component ? j->shear_column : j->column) + first};
+    return row;
 }
 
-/* y += N'x: forces at pairs from forces at points. */
-static void add_to_pairs(const struct joint *j, double *y, const double *x)
+/* y += G u: at the points from displacements of the pairs. */
+static void add_at_points(const struct joint *j, double *y, const double *u)
 {
-    for (size_t p = 0; p < j->n_point; p++)
-        if (x[p] != 0.0)
-            for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
-                y[j->column[e]] += j->interpolation[e] * x[p];
-}
-
-/* Set half = row p of N S. */
-static void interpolate_row(const struct contact *c, double *half, size_t p)
-{
-    const struct joint *j = c->joint;
-    memset(half, 0, j->n_relative * sizeof *half);
-    for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
-        add_row(half, c->S + j->column[e] * j->n_relative, j->interpolation[e], j->n_relative);
-}
-
-/* Take over a new S (in c->S, complete) and penalty flexibilities (in c->D). */
-static void renew_contact(struct contact *c)
-{
-    const struct joint *j = c->joint;
-    c->factored = 0;
-    c->delta = 0.0;
-    for (size_t p = 0; p < c->n; p++) {
-        interpolate_row(c, c->pairs, p);
-        for (size_t q = c->by_pairs ? p : 0; q < (c->by_pairs ? p + 1 : c->n); q++) {
-            double sum = 0.0;
-            for (uint64_t e = j->row_start[q]; e < j->row_start[q + 1]; e++)
-                sum += j->interpolation[e] * c->pairs[j->column[e]];
-            if (!c->by_pairs)
-                c->H[p * c->n + q] = sum;
-            if (p == q)
-                c->diagonal[p] = sum + c->D[p];
+    for (size_t c = 0; c < n_component(j); c++)
+        for (size_t p = 0; p < j->n_point; p++) {
+            const struct row row = row_of(j, c, p);
+            for (size_t e = 0; e < row.n; e++)
+                y[c * j->n_point + p] += row.value[e] * u[row.column[e]];
         }
-    }
+}
+
+/* y += factor G'x: forces at the pairs from forces at the points. */
+static void add_at_pairs(const struct joint *j, double *y, double factor, const double *x)
+{
+    for (size_t c = 0; c < n_component(j); c++)
+        for (size_t p = 0; p < j->n_point; p++) {
+            const struct row row = row_of(j, c, p);
+            const double force = factor * x[c * j->n_point + p];
+            for (size_t e = 0; e < row.n && force != 0.0; e++)
+                y[row.column[e]] += row.value[e] * force;
+        }
+}
+
+/* way = G S G'x. */
+static void give_way_to(struct contact *c, double *way, const double *x)
+{
+    const size_t r = c->joint->n_relative;
+    memset(c->right, 0, r * sizeof(double));
+    add_at_pairs(c->joint, c->right, 1.0, x);
+    memset(c->dy, 0, r * sizeof(double));
+    add_product(c->dy, 1.0, c->S, c->right, r, r);
+    memset(way, 0, c->size * sizeof(double));
+    add_at_points(c->joint, way, c->dy);
 }
 
 static double largest(const double *x, size_t n)
 {
     double most = 0.0;
     for (size_t i = 0; i < n; i++)
-        if (x[i] > most || -x[i] > most)
-            most = x[i] > 0 ? x[i] : -x[i];
+        most = fmax(most, fabs(x[i]));
     return most;
 }
 
-static double most_of(const double *x, size_t n)
+/* Whether friction acts at a point. */
+static int rubs(const struct contact *c, size_t point)
 {
-    double most = 0.0;
-    for (size_t i = 0; i < n; i++)
-        most = x[i] > most ? x[i] : most;
-    return most;
+    return c->size > c->n && c->mu[point] > 0.0;
 }
 
-/* Factorize H at the active points. */
-static int factorize_points(struct contact *c)
+/* Take over new compliances S and D and coefficients mu. */
+static void renew_contact(struct contact *c)
 {
-    const size_t a = c->n_active;
-    for (size_t i = 0; i < a; i++) {
-        const double *row = c->H + c->index[i] * c->n;
-        for (size_t k = i; k < a; k++)
-            c->U[i * a + k] = row[c->index[k]];
-        c->U[i * a + i] += c->D[c->index[i]] + c->delta;
+    const size_t n = c->n, r = c->joint->n_relative;
+    c->is_factored = 0;
+    for (size_t i = 0; i < c->size; i++) {
+        const struct row row = row_of(c->joint, i / n, i % n);
+        memset(c->dy, 0, r * sizeof(double));
+        for (size_t e = 0; e < row.n; e++)
+            add_row(c->dy, c->S + row.column[e] * r, row.value[e], r);
+        c->own[i] = 0.0;
+        for (size_t e = 0; e < row.n; e++)
+            c->own[i] += row.value[e] * c->dy[row.column[e]];
+        c->D[i] = fmin(c->D[i], DBL_MAX);
     }
-    return cholesky(c->U, a, SINGULAR_PIVOT);
+    for (size_t p = 0; p < n && c->size > n; p++) /* no turn of the tangents changes the mean */
+        c->own[n + p] = c->own[2 * n + p] = 0.5 * (c->own[n + p] + c->own[2 * n + p]);
+    const double most = largest(c->own, c->size);
+    for (size_t i = 0; i < c->size; i++)
+        if (!(c->own[i] > 0.0)) /* nothing moves */
+            c->own[i] = most > 0.0 ? most : 1.0;
 }
 
-/* Number the pairs that the active points touch. */
-static void find_touched(struct contact *c)
+/* ---- the law ---- */
+
+/* Part of a tangential force that is admissible beside a normal one. */
+static double admissible_part(double limit, double size)
+{
+    if (size <= limit && limit > 0.0)
+        return 1.0;
+    return size > 0.0 && limit > 0.0 ? limit / size : 0.0;
+}
+
+/* Replace forces by the nearest that are admissible. */
+static void admit(const struct contact *c, double *x)
+{
+    const size_t n = c->n;
+    for (size_t p = 0; p < n; p++) {
+        x[p] = fmax(x[p], 0.0);
+        if (c->size == n)
+            continue;
+        const double size = hypot(x[n + p], x[2 * n + p]);
+        const double part = admissible_part(c->mu[p] * x[p], size);
+        x[n + p] *= part;
+        x[2 * n + p] *= part;
+    }
+}
+
+/* K of a point that is pressed by ``normal``, with tangential forces t before they are cut. */
+static void differentiate(const struct contact *c, size_t p, double normal, const double t[2])
+{
+    const double size = hypot(t[0], t[1]), part = admissible_part(c->mu[p] * normal, size);
+    const double first = size > 0.0 ? t[0] / size : 0.0, second = size > 0.0 ? t[1] / size : 0.0;
+    const double turned = part < 1.0 ? part : 0.0, stiffness = 1.0 / c->yields[c->n + p];
+    double *K = c->K + 9 * p;
+    K[4] = (part - turned * first * first) * stiffness;
+    K[8] = (part - turned * second * second) * stiffness;
+    K[5] = K[7] = -turned * first * second * stiffness;
+    if (part < 1.0) {
+        K[3] = c->mu[p] * first * K[0];
+        K[6] = c->mu[p] * second * K[0];
+    }
+}
+
+/* Forces x that points answer at z; with is_slope also K, where ``bounded`` says that tangential
+ * forces are held to the bounds of the last normal ones. */
+static void respond(struct contact *c, const double *z, double *x, int is_slope, int bounded)
+{
+    const size_t n = c->n;
+    if (is_slope)
+        memset(c->K, 0, 9 * n * sizeof(double));
+    for (size_t i = 0; i < c->size; i++)
+        x[i] = -z[i] / c->yields[i];
+    for (size_t p = 0; p < n && is_slope; p++) {
+        if (!(x[p] > 0.0))
+            continue;
+        c->K[9 * p] = 1.0 / c->yields[p];
+        if (c->size > n) {
+            const double t[2] = {x[n + p], x[2 * n + p]};
+            differentiate(c, p, x[p], t);
+        }
+        if (bounded)
+            c->K[9 * p + 3] = c->K[9 * p + 6] = 0.0;
+    }
+    admit(c, x);
+}
+
+/* ---- Newton steps ---- */
+
+/* Number the pairs that points with stiffness touch. */
+static void touch_pairs(struct contact *c)
 {
     const struct joint *j = c->joint;
     const size_t none = j->n_relative;
-    for (size_t i = 0; i < j->n_relative; i++)
+    for (size_t i = 0; i < none; i++)
         c->place[i] = none;
-    for (size_t i = 0; i < c->n_active; i++)
-        for (uint64_t e = j->row_start[c->index[i]]; e < j->row_start[c->index[i] + 1]; e++)
-            c->place[j->column[e]] = 0;
+    for (size_t p = 0; p < c->n; p++)
+        for (size_t k = 0; k < n_component(j) && c->K[9 * p] != 0.0; k++) {
+            const struct row row = row_of(j, k, p);
+            for (size_t e = 0; e < row.n; e++)
+                c->place[row.column[e]] = 0;
+        }
     c->n_touched = 0;
-    for (size_t i = 0; i < j->n_relative; i++)
+    for (size_t i = 0; i < none; i++)
         if (c->place[i] != none) {
             c->place[i] = c->n_touched;
             c->touched[c->n_touched++] = i;
         }
 }
 
-/* Factorize I + B S and B = N'D^-1 N of the active points, at the pairs they touch: the active gaps
- * close where the forces r at the pairs obey (I + B S) r = -N'D^-1 g. */
-static int factorize_pairs(struct contact *c)
+/* B = G'K G at the pairs touched. */
+static void fill_springs(struct contact *c)
 {
-    const struct joint *j = c->joint;
-    find_touched(c);
-    const size_t t = c->n_touched;
-    memset(c->U_B, 0, t * t * sizeof *c->U_B);
-    memset(c->U, 0, t * t * sizeof *c->U);
-    for (size_t i = 0; i < c->n_active; i++) {
-        const size_t p = c->index[i];
-        const double stiffness = 1.0 / c->D[p];
-        double *full = c->pairs, *seen = full + j->n_relative;
-        interpolate_row(c, full, p);
-        for (size_t k = 0; k < t; k++)
-            seen[k] = full[c->touched[k]];
-        for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++) {
-            const size_t row = c->place[j->column[e]];
-            const double force = stiffness * j->interpolation[e];
-            add_row(c->U + row * t, seen, force, t);
-            for (uint64_t f = j->row_start[p]; f < j->row_start[p + 1]; f++)
-                c->U_B[row * t + c->place[j->column[f]]] += force * j->interpolation[f];
+    const size_t t = c->n_touched, components = n_component(c->joint);
+    memset(c->B, 0, t * t * sizeof(double));
+    for (size_t p = 0; p < c->n; p++)
+        for (size_t i = 0; i < components && c->K[9 * p] != 0.0; i++) {
+            const struct row row = row_of(c->joint, i, p);
+            for (size_t k = 0; k < components; k++) {
+                const struct row other = row_of(c->joint, k, p);
+                const double K = c->K[9 * p + 3 * i + k];
+                for (size_t e = 0; e < row.n && K != 0.0; e++) {
+                    double *place = c->B + c->place[row.column[e]] * t;
+                    for (size_t g = 0; g < other.n; g++)
+                        place[c->place[other.column[g]]] += row.value[e] * K * other.value[g];
+                }
+            }
         }
-    }
-    for (size_t i = 0; i < t; i++) {
-        c->U[i * t + i] += 1.0;
-        c->U_B[i * t + i] *= 1.0 + SINGULAR_SPRINGS;
-    }
-    return cholesky(c->U_B, t, 0.0) != 0 || factorize_lu(c->U, t, c->order) != 0 ? -1 : 0;
 }
 
-/* Factorize for an active set unless that is the last one. */
-static int factorize_active(struct contact *c, const unsigned char *active)
+/* M = I + B S at the pairs touched, factorized, unless K is that of the last one. */
+WIDE static int factorize(struct contact *c)
 {
-    if (c->factored && c->factored_delta == c->delta
-        && memcmp(active, c->factored_active, c->n) == 0)
+    const size_t r = c->joint->n_relative, n = 9 * c->n;
+    if (c->is_factored && memcmp(c->K, c->factored_K, n * sizeof(double)) == 0)
         return 0;
-    c->factored = 0;
-    c->n_active = 0;
-    for (size_t p = 0; p < c->n; p++)
-        if (active[p])
-            c->index[c->n_active++] = p;
-    if ((c->by_pairs ? factorize_pairs(c) : factorize_points(c)) != 0)
+    c->is_factored = 0;
+    touch_pairs(c);
+    fill_springs(c);
+    const size_t t = c->n_touched;
+    memset(c->M, 0, t * t * sizeof(double));
+    for (size_t k = 0; k < t; k++) {
+        for (size_t i = 0; i < t; i++)
+            c->right[i] = c->S[c->touched[k] * r + c->touched[i]];
+        for (size_t i = 0; i < t; i++)
+            if (c->B[i * t + k] != 0.0)
+                add_row(c->M + i * t, c->right, c->B[i * t + k], t);
+        c->M[k * t + k] += 1.0;
+    }
+    if (factorize_lu(c->M, t, c->order) != 0)
         return -1;
-    memcpy(c->factored_active, active, c->n);
-    c->factored_delta = c->delta;
-    c->factored = 1;
+    memcpy(c->factored_K, c->K, n * sizeof(double));
+    c->is_factored = 1;
     return 0;
 }
 
-/* slack = H l + g with H = N S N' + D + delta. */
-static void multiply(struct contact *c, double *slack, const double *forces, const double *gap)
+/* Newton step dp from c->rest, with what it moves; -1 where the system is singular. */
+static int find_step(struct contact *c)
 {
     const size_t r = c->joint->n_relative;
-    for (size_t p = 0; p < c->n; p++)
-        slack[p] = gap[p] + (c->D[p] + c->delta) * forces[p];
-    if (!c->by_pairs) {
-        for (size_t p = 0; p < c->n; p++)
-            if (forces[p] != 0.0)
-                add_row(slack, c->H + p * c->n, forces[p], c->n);
+    if (factorize(c) != 0)
+        return -1;
+    /* Forces between pairs that no closed point touches are known, and move the others. */
+    const size_t t = c->n_touched;
+    for (size_t i = 0; i < r; i++)
+        c->dp[i] = -c->rest[i];
+    for (size_t i = 0; i < t; i++) {
+        c->right[i] = c->dp[c->touched[i]];
+        c->dp[c->touched[i]] = 0.0;
+    }
+    memset(c->dy, 0, r * sizeof(double));
+    if (t < r && largest(c->dp, r) > 0.0) {
+        add_product(c->dy, 1.0, c->S, c->dp, r, r);
+        for (size_t i = 0; i < t; i++)
+            c->known[i] = c->dy[c->touched[i]];
+        add_product(c->right, -1.0, c->B, c->known, t, t);
+        memset(c->dy, 0, r * sizeof(double));
+    }
+    solve_lu(c->M, t, c->order, c->right);
+    for (size_t i = 0; i < t; i++)
+        c->dp[c->touched[i]] = c->right[i];
+    add_product(c->dy, 1.0, c->S, c->dp, r, r);
+    memset(c->moved, 0, c->size * sizeof(double));
+    add_at_points(c->joint, c->moved, c->dy);
+    return are_finite(c->dp, r) ? 0 : -1;
+}
+
+/* R = p + length dp - G'(x - about). */
+static void find_rest(const struct contact *c, double *rest, double length, const double *x,
+                      const double *about)
+{
+    const size_t r = c->joint->n_relative;
+    memcpy(rest, c->p, r * sizeof(double));
+    add_row(rest, c->dp, length, r);
+    add_at_pairs(c->joint, rest, -1.0, x);
+    add_at_pairs(c->joint, rest, 1.0, about);
+}
+
+/* Forces c->tried at a part of the step; returns the slope of the energy there. */
+static double reach(struct contact *c, double length, const double *x)
+{
+    const size_t r = c->joint->n_relative;
+    double slope = dot(c->dy, c->rest, r) + length * dot(c->dy, c->dp, r);
+    memcpy(c->tried_z, c->z, c->size * sizeof(double));
+    add_row(c->tried_z, c->moved, length, c->size);
+    respond(c, c->tried_z, c->tried, 0, 0);
+    for (size_t i = 0; i < c->size; i++)
+        slope += c->moved[i] * (x[i] - c->tried[i]);
+    return slope;
+}
+
+/* Length of the step from forces x: one, or about where the slope vanishes. */
+static double find_length(struct contact *c, const double *x, const double *about, int *descends)
+{
+    const size_t r = c->joint->n_relative;
+    const double at_first = dot(c->dy, c->rest, r), last = reach(c, 1.0, x);
+    *descends = at_first < 0.0;
+    if (fabs(last) <= LARGEST_REMAINDER * fabs(at_first) || !(at_first < 0.0 && last > 0.0))
+        return 1.0;
+    find_rest(c, c->tried_rest, 1.0, c->tried, about);
+    if (dot(c->tried_rest, c->tried_rest, r)
+        <= LARGEST_REMAINDER * LARGEST_REMAINDER * dot(c->rest, c->rest, r))
+        return 1.0;
+    double low = 0.0, high = 1.0, below = at_first, above = last, length = 1.0;
+    for (int trial = 0; trial < LENGTH_TRIALS; trial++) {
+        /* A chord that ends where the slope jumps would stay there: away from both ends. */
+        const double chord = low - below * (high - low) / (above - below);
+        const double margin = 0.1 * (high - low);
+        length = fmin(fmax(chord, low + margin), high - margin);
+        const double slope = reach(c, length, x);
+        if (fabs(slope) <= FLAT * fabs(at_first))
+            break;
+        if (slope > 0.0) {
+            high = length;
+            above = slope;
+        } else {
+            low = length;
+            below = slope;
+        }
+    }
+    return length;
+}
+
+/* The step from the state before, whose forces are ``about``, along its tangent; from no forces as
+ * if every point were closed and stuck. */
+static void begin(struct contact *c, const double *about)
+{
+    const size_t n = c->n, r = c->joint->n_relative;
+    const int is_new = largest(about, c->size) == 0.0;
+    for (size_t i = 0; i < c->size; i++)
+        c->tried_z[i] = -c->yields[i] * about[i] * (i < n ? 1.0 : SLIP_ON_SCALE);
+    respond(c, c->tried_z, c->tried, 1, 0);
+    for (size_t p = 0; p < n && is_new; p++) {
+        c->K[9 * p] = 1.0 / c->yields[p];
+        if (rubs(c, p))
+            c->K[9 * p + 4] = c->K[9 * p + 8] = 1.0 / c->yields[n + p];
+    }
+    memset(c->tried, 0, c->size * sizeof(double));
+    for (size_t i = 0; i < c->size; i++)
+        for (size_t k = 0; k < c->size / n; k++) {
+            const size_t other = k * n + i % n;
+            const double K = c->K[9 * (i % n) + 3 * (i / n) + k];
+            c->tried[i] += K * (c->z[other] + c->yields[other] * about[other]);
+        }
+    memset(c->p, 0, r * sizeof(double));
+    memset(c->rest, 0, r * sizeof(double));
+    add_at_pairs(c->joint, c->rest, 1.0, c->tried);
+    if (find_step(c) != 0) {
+        memset(c->dp, 0, r * sizeof(double));
         return;
     }
-    memset(c->pairs, 0, 2 * r * sizeof *c->pairs);
-    add_to_pairs(c->joint, c->pairs, forces);
-    for (size_t i = 0; i < r; i++)
-        if (c->pairs[i] != 0.0)
-            add_row(c->pairs + r, c->S + i * r, c->pairs[i], r);
-    add_interpolated(c->joint, slack, c->pairs + r);
+    memcpy(c->p, c->dp, r * sizeof(double));
+    add_row(c->z, c->moved, 1.0, c->size);
 }
 
-/* Gap (before contact) of an active point that displacements of the pairs touched add to. */
-static double opened(const struct contact *c, size_t p, const double *moved)
+/* Newton's method from forces ``about``, which move points to c->z; forces are in x then. Returns
+ * the residual over the largest force. */
+static double descend(struct contact *c, const double *about, double *x)
 {
-    const struct joint *j = c->joint;
-    double sum = 0.0;
-    for (uint64_t e = j->row_start[p]; e < j->row_start[p + 1]; e++)
-        sum += j->interpolation[e] * moved[c->place[j->column[e]]];
-    return sum;
-}
-
-/* y += N'x at the pairs touched, for the active points; x as a function of the point in c->work. */
-static void add_to_touched(const struct contact *c, double *y)
-{
-    const struct joint *j = c->joint;
-    for (size_t i = 0; i < c->n_active; i++)
-        for (uint64_t e = j->row_start[c->index[i]]; e < j->row_start[c->index[i] + 1]; e++)
-            y[c->place[j->column[e]]] += j->interpolation[e] * c->work[c->index[i]];
-}
-
-/* Forces of the active points by way of the pairs they touch. */
-static void close_by_pairs(struct contact *c, const double *gap, double *forces)
-{
-    const size_t r = c->joint->n_relative, t = c->n_touched;
-    double *missing = c->pairs, *change = missing + r, *moved = change + r;
-    memset(change, 0, t * sizeof *change);
-    for (size_t i = 0; i < c->n_active; i++)
-        c->work[c->index[i]] = -gap[c->index[i]] / c->D[c->index[i]];
-    add_to_touched(c, change);
-    memcpy(missing, change, t * sizeof *missing);
-    solve_lu(c->U, t, c->order, change);
-    /* Displacements y of the pairs from B y = b - r: y = S r would lose as many digits as the
-     * structure is softer than the penalty. Twice, for B was made regular. */
-    for (size_t i = 0; i < t; i++)
-        missing[i] -= change[i];
-    memcpy(moved, missing, t * sizeof *moved);
-    solve_cholesky(c->U_B, t, moved);
-    for (size_t i = 0; i < c->n_active; i++)
-        c->work[c->index[i]] = -opened(c, c->index[i], moved) / c->D[c->index[i]];
-    add_to_touched(c, missing);
-    solve_cholesky(c->U_B, t, missing);
-    add_row(moved, missing, 1.0, t);
-    for (size_t i = 0; i < c->n_active; i++) {
-        const size_t p = c->index[i];
-        forces[p] = -(gap[p] + opened(c, p, moved)) / c->D[p];
+    const size_t r = c->joint->n_relative;
+    const double least = fmax(SMALLEST_FORCE_SHARE * largest(about, c->size), DBL_MIN);
+    double left = INFINITY, previous = INFINITY;
+    int n_short = 0, bounded = 0;
+    begin(c, about);
+    for (int step = 0;; step++) {
+        respond(c, c->z, x, 1, bounded);
+        find_rest(c, c->rest, 0.0, x, about);
+        left = are_finite(c->rest, r) ? largest(c->rest, r) / fmax(largest(x, c->size), least)
+                                      : INFINITY;
+        if (left <= NEWTON_ROUND_OFF || (left <= SOLVED && left > LARGEST_REMAINDER * previous)
+            || step == NEWTON_STEPS || n_short == MOST_SHORT || find_step(c) != 0)
+            return left;
+        previous = left;
+        int descends;
+        const double length = find_length(c, x, about, &descends);
+        const int is_short = c->size > c->n && length < SHORT_STEP;
+        bounded = c->size > c->n && !bounded && (!descends || is_short);
+        n_short += is_short;
+        add_row(c->p, c->dp, length, r);
+        add_row(c->z, c->moved, length, c->size);
     }
 }
 
-/* Forces that close the active gaps, and the slack of all points. */
-static int equilibrate(struct contact *c, const double *gap, const unsigned char *active,
-                       double *forces, double *slack)
+/* ---- stages ---- */
+
+/* Whether forces do not follow from displacements at some point. */
+static int is_hard(const struct contact *c)
 {
-    if (factorize_active(c, active) != 0)
-        return -1;
-    memset(forces, 0, c->n * sizeof *forces);
-    if (c->by_pairs) {
-        close_by_pairs(c, gap, forces);
-    } else {
-        for (size_t i = 0; i < c->n_active; i++)
-            c->work[i] = -gap[c->index[i]];
-        solve_cholesky(c->U, c->n_active, c->work);
-        for (size_t i = 0; i < c->n_active; i++)
-            forces[c->index[i]] = c->work[i];
-    }
-    multiply(c, slack, forces, gap);
-    for (size_t i = 0; i < c->n_active; i++)
-        slack[c->index[i]] = 0.0;
+    for (size_t i = 0; i < c->size; i++)
+        if (!(c->D[i] > 0.0) && (i < c->n || rubs(c, i % c->n)))
+            return 1;
     return 0;
 }
 
-/* What round-off makes of gaps that vanish, over the root of the diagonal. */
-static double summed(const struct contact *c, const double *forces)
+/* Forces c->found of points that yield besides, by the share of the structure, about forces x;
+ * returns what Newton's method leaves. */
+static double solve_stage(struct contact *c, const double *free_slack, const double *x, double share)
 {
-    double sum = 0.0;
-    for (size_t p = 0; p < c->n; p++)
-        sum += sqrt(c->diagonal[p] + c->delta) * fabs(forces[p]);
-    return EPSILON * sum;
-}
-
-/* Mark points with a wrong sign; returns how many there are. */
-static size_t find_wrong(struct contact *c, const unsigned char *active, const double *forces,
-                         const double *slack, double least)
-{
-    const double sum = summed(c, forces);
-    size_t count = 0;
-    for (size_t p = 0; p < c->n; p++) {
-        const double own = c->diagonal[p] + c->delta;
-        const double noise = fmax(sum * sqrt(own), least);
-        c->wrong[p] = active[p] ? forces[p] < -noise / own : slack[p] < -noise;
-        count += c->wrong[p];
+    give_way_to(c, c->z, x);
+    for (size_t i = 0; i < c->size; i++) {
+        const double besides = share * c->own[i];
+        c->yields[i] = c->D[i] + besides > 0.0 ? c->D[i] + besides : 1.0;
+        c->z[i] += free_slack[i] - besides * x[i];
     }
-    return count;
+    return descend(c, x, c->found);
 }
 
-static void exchange(struct contact *c, unsigned char *active, int last_only)
+/* Change from forces x to c->found over the largest one, most of it at c->worst. */
+static double find_change(struct contact *c, const double *x)
 {
-    for (size_t p = c->n; p-- > 0;)
-        if (c->wrong[p]) {
-            active[p] = !active[p];
-            if (last_only)
-                return;
+    double most = 0.0;
+    for (size_t i = 0; i < c->size; i++)
+        if (fabs(c->found[i] - x[i]) > most) {
+            most = fabs(c->found[i] - x[i]);
+            c->worst = i % c->n;
         }
+    const double force = largest(c->found, c->size);
+    return most / (force > 0.0 ? force : 1.0);
 }
 
-static enum contact_status pivot(struct contact *c, const double *gap, unsigned char *active,
-                                 double *forces)
+/* Stages from forces x; what is left of the last one, over the largest force. */
+static double follow_stages(struct contact *c, const double *free_slack, double *x)
 {
-    const double noise = ROUND_OFF * largest(gap, c->n);
-    size_t fewest = c->n + 1;
-    int attempts = BLOCK_ATTEMPTS;
-    for (size_t iteration = 0; iteration < 50 * c->n + 200; iteration++) {
-        if (equilibrate(c, gap, active, forces, c->slack) != 0)
-            return CONTACT_SINGULAR;
-        const size_t count = find_wrong(c, active, forces, c->slack, noise);
-        if (count == 0) {
-            for (size_t p = 0; p < c->n; p++)
-                forces[p] = forces[p] > 0.0 ? forces[p] : 0.0;
-            return CONTACT_SOLVED;
+    double change = INFINITY, residual = INFINITY;
+    int level = USUAL_LEVEL, begun = largest(x, c->size) > 0.0;
+    for (int stage = 0; stage < STAGES; stage++) {
+        const double hardness = SOFTEST * pow(10.0, level);
+        const double unsolved = solve_stage(c, free_slack, x, 1.0 / hardness);
+        const double previous = change, following = find_change(c, x);
+        if (!(unsolved <= SOLVED)) {
+            residual = isfinite(change) ? residual : unsolved;
+            if (level-- == 0)
+                break;
+            continue;
         }
-        if (count < fewest) {
-            fewest = count;
-            attempts = BLOCK_ATTEMPTS;
-            exchange(c, active, 0);
-        } else if (attempts > 0) {
-            attempts--;
-            exchange(c, active, 0);
-        } else {
-            exchange(c, active, 1);
-        }
+        const int is_settled = change <= SETTLED_CHANGE && residual <= STAGE_ROUND_OFF;
+        if (is_settled && following >= change)
+            break; /* round-off: further stages gain nothing */
+        change = following;
+        residual = fmax(change / hardness, unsolved);
+        if (begun && change <= 10.0 * STAGE_ROUND_OFF)
+            break; /* what begins at its solution keeps the last digits of that */
+        memcpy(x, c->found, c->size * sizeof(double));
+        if (change <= STAGE_ROUND_OFF)
+            break;
+        if (change <= SMALL_CHANGE && level < N_LEVEL - 1
+            && (level < USUAL_LEVEL || change > SLOW_CHANGE * previous))
+            level++;
+        begun = 0;
     }
-    return CONTACT_UNSETTLED;
+    return isfinite(change) && change > SETTLED_CHANGE ? change : residual;
 }
 
-static enum contact_status proximal_point(struct contact *c, const double *gap,
-                                          unsigned char *active, double *forces, double *last)
+/* Find gaps and slip that belong to forces x: none where points are pressed, or stick. */
+static void find_slack(struct contact *c, const double *free_slack, const double *x)
 {
-    const double tolerance = ROUND_OFF * largest(gap, c->n);
-    c->delta = PROXIMAL_FRACTION * most_of(c->diagonal, c->n);
-    memset(last, 0, c->n * sizeof *last);
-    for (int step = 0; step < PROXIMAL_STEPS; step++) {
-        for (size_t p = 0; p < c->n; p++)
-            c->target[p] = gap[p] - c->delta * last[p];
-        const enum contact_status status = pivot(c, c->target, active, forces);
-        if (status != CONTACT_SOLVED)
-            return status;
-        double change = 0.0;
-        for (size_t p = 0; p < c->n; p++) {
-            const double moved = forces[p] > last[p] ? forces[p] - last[p] : last[p] - forces[p];
-            change = moved > change ? moved : change;
-        }
-        memcpy(last, forces, c->n * sizeof *last);
-        const double noise = summed(c, forces) * sqrt(most_of(c->diagonal, c->n) + c->delta);
-        if (c->delta * change <= fmax(tolerance, noise))
-            return CONTACT_SOLVED;
+    const size_t n = c->n;
+    give_way_to(c, c->slack, x);
+    for (size_t i = 0; i < c->size; i++)
+        c->slack[i] += free_slack[i] + c->D[i] * x[i];
+    for (size_t p = 0; p < n; p++) {
+        c->slack[p] = x[p] > 0.0 ? 0.0 : fmax(c->slack[p], 0.0);
+        if (rubs(c, p)
+            && hypot(x[n + p], x[2 * n + p]) < (1.0 - ON_THE_BOUND) * c->mu[p] * x[p])
+            c->slack[n + p] = c->slack[2 * n + p] = 0.0;
     }
-    return CONTACT_UNSETTLED;
 }
 
-/* Solve for the forces that a gap (n) calls up, from a guess of the active points.
- * ``last`` (n) is room for a former iterate. */
-static enum contact_status solve_contact(struct contact *c, const double *gap,
-                                         unsigned char *active, double *forces, double *last)
+/* Solve from forces x, those of the increment before; gaps and slip are in c->slack then. */
+static enum contact_status solve_contact(struct contact *c, const double *free_slack, double *x)
 {
-    if (!are_finite(gap, c->n))
+    if (!are_finite(free_slack, c->size))
         return CONTACT_NOT_FINITE;
-    unsigned char *start = (unsigned char *)last;
-    memcpy(start, active, c->n);
-    c->delta = 0.0;
-    enum contact_status status = pivot(c, gap, active, forces);
-    if (status != CONTACT_SINGULAR)
-        return status;
-    memcpy(active, start, c->n);
-    status = proximal_point(c, gap, active, forces, last);
-    c->delta = 0.0;
-    return status;
+    admit(c, x);
+    c->left = is_hard(c) ? INFINITY : solve_stage(c, free_slack, x, 0.0);
+    if (c->left <= SOLVED)
+        memcpy(x, c->found, c->size * sizeof(double));
+    else
+        c->left = follow_stages(c, free_slack, x);
+    find_slack(c, free_slack, x);
+    return c->left <= SOLVED ? CONTACT_SOLVED : CONTACT_UNSETTLED;
 }

@@ -12,8 +12,6 @@
 #include "linalg.c"
 #include "joint.c"
 #include "contact.c"
-#include "friction.c"
-#include "increments.c"
 #include "motion.c"
 #include "forces.c"
 #include "mean.c"

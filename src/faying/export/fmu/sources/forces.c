@@ -1,8 +1,6 @@
 /* The contact forces that a motion calls up, and what loads and contact do to its coordinates. */
 
-/* Distance of a tangential force from its bound, over it, that leaves it on the bound; and part of
- * the largest slip and the largest force that is round-off. */
-#define ON_THE_BOUND 1e-6
+/* Part of the largest slip and the largest force that is round-off. */
 #define NOTICEABLE 1e-9
 
 /* Set the contact matrices to those of a factorized A: S = weight V A^-1 V' + R. */
@@ -10,7 +8,7 @@ static void condense(struct motion *m, double weight)
 {
     const struct joint *j = &m->joint;
     const size_t n = j->n_mode, r = j->n_relative;
-    double *S = has_friction(j) ? m->friction.S : m->contact.S;
+    double *S = m->contact.S, *D = m->contact.D;
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < r; k++)
             m->shape[i * r + k] = j->relative[k * n + i];
@@ -22,7 +20,6 @@ static void condense(struct motion *m, double weight)
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < r; k++)
             add_row(S + k * r, m->shape + i * r, weight * m->shape[i * r + k], r);
-    double *D = has_friction(j) ? m->friction.D : m->contact.D;
     for (size_t i = 0; i < j->n_interface; i++)
         for (uint64_t p = j->interface_start[i]; p < j->interface_start[i + 1]; p++) {
             D[p] = 1.0 / (m->penalty[i] * j->weights[p]);
@@ -30,44 +27,32 @@ static void condense(struct motion *m, double weight)
                 continue;
             D[j->n_point + p] = 1.0 / (m->tangential[i] * j->weights[p]);
             D[2 * j->n_point + p] = D[j->n_point + p];
-            m->friction.mu[p] = m->mu[i];
+            m->contact.mu[p] = m->mu[i];
         }
-    if (has_friction(j))
-        renew_friction(&m->friction);
-    else
-        renew_contact(&m->contact);
+    renew_contact(&m->contact);
 }
 
-static enum outcome contact_problem(struct motion *m, enum contact_status status)
-{
-    static const char *const reasons[] = {
-        "",
-        "the contact flexibility is zero or not positive semidefinite at the points in contact",
-        "the contact problem did not settle; choose a smaller step, or a lower penalty",
-        "a force, a displacement or a parameter is not finite, or the motion grows without bound",
-    };
-    if (status == CONTACT_SOLVED)
-        return OUTCOME_OK;
-    report(m, "at time %g: %s", m->state[AT_TIME], reasons[status]);
-    return OUTCOME_ERROR;
-}
-
-/* ---- friction ---- */
-
-static enum outcome friction_problem(struct motion *m, const struct friction *f,
-                                     enum contact_status status)
+static enum outcome contact_problem(struct motion *m, const struct contact *c,
+                                    enum contact_status status)
 {
     size_t interface = 0;
-    if (status != CONTACT_UNSETTLED)
-        return contact_problem(m, status);
-    while (m->joint.interface_start[interface + 1] <= f->worst)
+    if (status == CONTACT_SOLVED)
+        return OUTCOME_OK;
+    if (status == CONTACT_NOT_FINITE) {
+        report(m, "at time %g: a force, a displacement or a parameter is not finite, or the motion "
+                  "grows without bound", m->state[AT_TIME]);
+        return OUTCOME_ERROR;
+    }
+    while (m->joint.interface_start[interface + 1] <= c->worst)
         interface++;
     report(m,
-           "at time %g: friction was not solved: at contact point %lu of interface %lu %.1e of the "
-           "largest force is left; choose a smaller step, or a smaller coefficient of friction",
+           "at time %g: contact was not solved: at contact point %lu of interface %lu %.1e of the "
+           "largest force is left; choose a smaller step%s",
            m->state[AT_TIME],
-           (unsigned long)(f->worst - m->joint.interface_start[interface]) + 1,
-           (unsigned long)interface + 1, f->left);
+           (unsigned long)(c->worst - m->joint.interface_start[interface]) + 1,
+           (unsigned long)interface + 1, c->left,
+           has_friction(&m->joint) ? ", or a smaller coefficient of friction"
+                                   : ", or a lower penalty");
     return OUTCOME_ERROR;
 }
 
@@ -76,7 +61,7 @@ static void free_slack(struct motion *m, const double *relative)
 {
     const struct joint *j = &m->joint;
     memcpy(m->gap, j->initial_gap, j->n_point * sizeof(double));
-    for (size_t i = 0; i < 2 * j->n_point; i++)
+    for (size_t i = 0; has_friction(j) && i < 2 * j->n_point; i++)
         m->gap[j->n_point + i] = -m->slip[i];
     add_at_points(j, m->gap, relative);
 }
@@ -86,7 +71,7 @@ static void take_slip(struct motion *m, const double *slack, double share)
 {
     const struct joint *j = &m->joint;
     const size_t n = j->n_point;
-    for (size_t i = 0; i < j->n_interface; i++)
+    for (size_t i = 0; has_friction(j) && i < j->n_interface; i++)
         for (uint64_t p = j->interface_start[i]; p < j->interface_start[i + 1]; p++)
             for (size_t c = 0; c < 2; c++) {
                 const double slid = slack[(c + 1) * n + p];
@@ -100,27 +85,28 @@ static void take_slip(struct motion *m, const double *slack, double share)
 static void note_sliding(struct motion *m)
 {
     const size_t n = m->joint.n_point;
-    const double *shear = m->forces + n, noise = NOTICEABLE * most_of(m->forces, n);
+    if (!has_friction(&m->joint))
+        return;
+    const double *shear = m->forces + n, noise = NOTICEABLE * largest(m->forces, n);
     double farthest = 0.0;
     for (size_t p = 0; p < n; p++)
         farthest = fmax(farthest, hypot(m->slip[p], m->slip[n + p]));
     for (size_t p = 0; p < n; p++) {
-        const double bound = m->friction.mu[p] * m->forces[p];
+        const double bound = m->contact.mu[p] * m->forces[p];
         m->slides[p] = hypot(shear[p], shear[n + p]) >= bound - ON_THE_BOUND * bound - noise
                        && hypot(m->change[p], m->change[n + p]) > NOTICEABLE * farthest;
-        m->active[p] = m->forces[p] > 0.0;
     }
 }
 
-/* One increment with friction to displacements of the pairs without contact forces. */
+/* One increment to displacements of the pairs without contact forces. */
 static enum outcome slide(struct motion *m, const double *relative)
 {
     free_slack(m, relative);
-    const enum contact_status status = solve_friction(&m->friction, m->gap, m->forces);
+    const enum contact_status status = solve_contact(&m->contact, m->gap, m->forces);
     if (status != CONTACT_SOLVED)
-        return friction_problem(m, &m->friction, status);
+        return contact_problem(m, &m->contact, status);
     memset(m->change, 0, 2 * m->joint.n_point * sizeof(double));
-    take_slip(m, m->friction.slack, 1.0);
+    take_slip(m, m->contact.slack, 1.0);
     note_sliding(m);
     return OUTCOME_OK;
 }
@@ -133,11 +119,7 @@ static enum outcome solve_forces(struct motion *m, const double *free_q)
     const struct joint *j = &m->joint;
     memset(m->pairs, 0, j->n_relative * sizeof(double));
     add_product(m->pairs, 1.0, j->relative, free_q, j->n_relative, j->n_mode);
-    if (has_friction(j))
-        return slide(m, m->pairs);
-    memcpy(m->gap, j->initial_gap, j->n_point * sizeof(double));
-    add_interpolated(j, m->gap, m->pairs);
-    return contact_problem(m, solve_contact(&m->contact, m->gap, m->active, m->forces, m->last));
+    return slide(m, m->pairs);
 }
 
 /* pull = V'G'l. */
@@ -145,10 +127,7 @@ static void pull_of_contact(struct motion *m)
 {
     const struct joint *j = &m->joint;
     memset(m->pairs, 0, j->n_relative * sizeof(double));
-    if (has_friction(j))
-        add_at_pairs(j, m->pairs, m->forces);
-    else
-        add_to_pairs(j, m->pairs, m->forces);
+    add_at_pairs(j, m->pairs, 1.0, m->forces);
     memset(m->pull, 0, j->n_mode * sizeof(double));
     add_transposed_product(m->pull, j->relative, m->pairs, j->n_relative, j->n_mode);
 }

@@ -46,7 +46,6 @@ struct motion {
     double *forces;          /* (n_component * n_point), normal ones first */
     double *slip;            /* (2 n_point) */
     double *dissipated;      /* (n_interface) since the start */
-    unsigned char *active;   /* (n_point) */
     unsigned char *slides;   /* (n_point) in the last step */
 
     double step;   /* what A and the contact matrices belong to; zero if to nothing */
@@ -57,12 +56,10 @@ struct motion {
     double *pairs, *from, *to;                    /* (n_relative) */
     double *gap;                                  /* (n_component * n_point) */
     double *before, *way;                         /* the same; energy-decaying: see mean.c */
-    double *last;                                 /* (n_point) */
-    double *change;                               /* (2 n_point) slip of a step, with friction */
-    struct contact contact; /* without friction */
+    double *change;         /* (2 n_point) slip of a step, with friction */
+    struct contact contact;
     struct contact law;     /* the law alone, S = R; made when it is first needed */
-    struct friction friction, friction_law; /* the same with friction */
-    int counts;         /* whether the residual compliance is more than round-off */
+    int counts;             /* whether the residual compliance is more than round-off */
 };
 
 static void report(struct motion *m, const char *format, ...)
@@ -103,11 +100,9 @@ static size_t lay_out_state(struct motion *m)
         }
         total += lengths[i];
     }
-    if (place) {
-        m->active = (unsigned char *)place;
-        m->slides = m->active + n;
-    }
-    return total + ((1 + once) * n + sizeof(double) - 1) / sizeof(double);
+    if (place)
+        m->slides = (unsigned char *)place;
+    return total + (once * n + sizeof(double) - 1) / sizeof(double);
 }
 
 /* Start values, as after instantiation. */
@@ -136,8 +131,6 @@ static void destroy_motion(struct motion *m)
         return;
     free_contact(&m->contact);
     free_contact(&m->law);
-    free_friction(&m->friction);
-    free_friction(&m->friction_law);
     free(m->A);
     free(m->state);
     free(m->name);
@@ -152,9 +145,8 @@ static int allocate(struct motion *m)
     m->n_input = j->n_boundary + j->n_bolt + j->n_pattern;
     m->n_state = lay_out_state(m);
     m->state = calloc(2 * m->n_state, sizeof *m->state);
-    m->A = malloc((n * n + n * r + 5 * n + 3 * r + 3 * every + 3 * j->n_point) * sizeof *m->A);
-    if (!m->state || !m->A
-        || (has_friction(j) ? create_friction(&m->friction, j) : create_contact(&m->contact, j)))
+    m->A = malloc((n * n + n * r + 5 * n + 3 * r + 3 * every + 2 * j->n_point) * sizeof *m->A);
+    if (!m->state || !m->A || create_contact(&m->contact, j) != 0)
         return -1;
     (void)lay_out_state(m);
     m->saved = m->state + m->n_state;
@@ -170,8 +162,7 @@ static int allocate(struct motion *m)
     m->gap = m->to + r;
     m->before = m->gap + every;
     m->way = m->before + every;
-    m->last = m->way + every;
-    m->change = m->last + j->n_point;
+    m->change = m->way + every;
     return 0;
 }
 

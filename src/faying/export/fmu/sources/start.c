@@ -75,7 +75,7 @@ static enum outcome find_acceleration(struct motion *m)
  * in halves of it where that is too far. */
 static enum outcome follow_path(struct motion *m)
 {
-    const size_t r = m->joint.n_relative, n = 3 * m->joint.n_point;
+    const size_t r = m->joint.n_relative, n = m->contact.size;
     const report_function report_to = m->report;
     double done = 0.0, part = 1.0;
     while (done < 1.0) {
@@ -110,12 +110,13 @@ static void load_pairs(struct motion *m, double loaded)
     add_product(m->to, 1.0, j->relative, m->q, j->n_relative, j->n_mode);
 }
 
-/* Contact at rest with friction: from the unstressed joint to the bolts, and then to the loads. */
+/* Contact at rest: from the unstressed joint to the bolts, and then to the loads. */
 static enum outcome tighten(struct motion *m)
 {
     const struct joint *j = &m->joint;
-    memset(m->forces, 0, 3 * j->n_point * sizeof(double));
-    memset(m->slip, 0, 2 * j->n_point * sizeof(double));
+    memset(m->forces, 0, m->contact.size * sizeof(double));
+    if (has_friction(j))
+        memset(m->slip, 0, 2 * j->n_point * sizeof(double));
     memset(m->from, 0, j->n_relative * sizeof(double));
     load_pairs(m, 0.0);
     enum outcome outcome = follow_path(m);
@@ -124,23 +125,8 @@ static enum outcome tighten(struct motion *m)
         if (memcmp(m->from, m->to, j->n_relative * sizeof(double)))
             outcome = follow_path(m);
     }
-    memset(m->dissipated, 0, j->n_interface * sizeof(double));
-    return outcome;
-}
-
-/* Contact at rest without friction. */
-static enum outcome close_contact(struct motion *m)
-{
-    const struct joint *j = &m->joint;
-    load_pairs(m, m->state[AT_START_LOADED]);
-    /* No guess: points that would overlap without contact forces. */
-    memcpy(m->gap, j->initial_gap, j->n_point * sizeof(double));
-    add_interpolated(j, m->gap, m->to);
-    for (size_t p = 0; p < j->n_point; p++)
-        m->active[p] = m->gap[p] < 0.0;
-    const enum outcome outcome = solve_forces(m, m->q);
-    for (size_t p = 0; p < j->n_point; p++)
-        m->active[p] = m->forces[p] > 0.0;
+    if (has_friction(j))
+        memset(m->dissipated, 0, j->n_interface * sizeof(double));
     return outcome;
 }
 
@@ -161,7 +147,7 @@ static enum outcome start_motion(struct motion *m)
         return OUTCOME_ERROR;
     }
     condense(m, 1.0);
-    outcome = has_friction(j) ? tighten(m) : close_contact(m);
+    outcome = tighten(m);
     if (outcome != OUTCOME_OK)
         return outcome;
     pull_of_contact(m);
