@@ -589,6 +589,11 @@ static enum contact_status solve_contact(struct contact *c, const double *free_s
         memcpy(x, c->found, c->size * sizeof(double));
     else
         c->left = follow_stages(c, free_slack, x);
+    if (!(c->left <= SOLVED)) {
+        /* What another load left may lead where points contradict each other. */
+        memset(x, 0, c->size * sizeof(double));
+        c->left = follow_stages(c, free_slack, x);
+    }
     find_slack(c, free_slack, x);
     return c->left <= SOLVED ? CONTACT_SOLVED : CONTACT_UNSETTLED;
 }
