@@ -87,8 +87,7 @@ class Contact:
             If the closure of some law is not proportional to force.
         """
         self.check_proportional()
-        flexibility: Vector = frozen(self._compliance(0))
-        return flexibility
+        return frozen(self._compliance(0))
 
     @cached_property
     def rubbing(self) -> Indices:
@@ -287,8 +286,7 @@ class Contact:
     @cached_property
     def tangential_flexibility(self) -> Vector:
         """Diagonal of D of one tangential component (n_rubbing,) [length/force]."""
-        flexibility: Vector = frozen(self._compliance(-1)[self.rubbing])
-        return flexibility
+        return frozen(self._compliance(-1)[self.rubbing])
 
     def _compliance(self, component: int) -> Vector:
         """Return c′(0) of one component at every point (n_point,) [length/force]."""
@@ -303,14 +301,12 @@ class Contact:
     @cached_property
     def friction(self) -> Vector:
         """Coefficients of friction (n_rubbing,)."""
-        friction: Vector = frozen(self._by_point(lambda law, _: law.friction)[self.rubbing])
-        return friction
+        return frozen(self._by_point(lambda law, _: law.friction)[self.rubbing])
 
     @cached_property
     def coefficients(self) -> Vector:
         """Coefficients of friction of all points (n_point,), zero where there is none."""
-        coefficients: Vector = frozen(self._by_point(lambda law, _: law.friction))
-        return coefficients
+        return frozen(self._by_point(lambda law, _: law.friction))
 
     @cached_property
     def penalty(self) -> Vector:
@@ -322,8 +318,7 @@ class Contact:
             If some law has no single stiffness.
         """
         self.check_proportional()
-        penalty: Vector = frozen(self._by_point(lambda law, _: law.penalty))
-        return penalty
+        return frozen(self._by_point(lambda law, _: law.penalty))
 
     def _by_point(self, value: Callable[[Law, slice], Vector | float]) -> Vector:
         """Return a value of the laws at every point (n_point,)."""
@@ -363,5 +358,4 @@ class Contact:
             )
             raise ModelError(message)
         half = self.interpolation @ compliance
-        full: Matrix = self.interpolation @ half.T
-        return full
+        return np.asarray(self.interpolation @ half.T)

@@ -31,8 +31,7 @@ class DensePoints:
 
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""
-        result: Vector = self.H @ forces
-        return result
+        return self.H @ forces
 
     def closing(self, points: Indices, added: Vector) -> Callable[[Matrix], Matrix]:
         """Return a function from gaps (n, k) at points to the forces (n, k) that close them."""

@@ -140,8 +140,7 @@ def _least_squares(places: Matrix, of: Indices, axes: Matrix) -> tuple[Matrix, M
 
 
 def _means(groups: Indices, count: int, values: Vector) -> Vector:
-    means: Vector = np.bincount(groups, values, count) / np.bincount(groups, minlength=count)
-    return means
+    return np.bincount(groups, values, count) / np.bincount(groups, minlength=count)
 
 
 def _fit_cylinders(

@@ -124,8 +124,7 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
 
 def _count_through(counts: Indices) -> Indices:
     """Return numbers from 0 through each of several stretches of given lengths."""
-    numbers: Indices = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    return numbers
+    return np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _by_size(radii: Vector) -> Iterator[tuple[Indices, float]]:
@@ -139,8 +138,7 @@ def _by_size(radii: Vector) -> Iterator[tuple[Indices, float]]:
 def _radii(cells: Cells) -> Vector:
     """Return the distance of the farthest corner of each cell from its centre (n_cell,)."""
     away = cells.corners - cells.centres[:, None]
-    radii: Vector = np.linalg.norm(away, axis=2).max(axis=1, initial=0.0)
-    return radii
+    return np.asarray(np.linalg.norm(away, axis=2).max(axis=1, initial=0.0))
 
 
 def hidden(

@@ -72,8 +72,7 @@ class Segments(Frozen):
         chosen = ~self.whole[self.minus_of]
         minus_rows = self.minus_of[chosen]
         flat = np.einsum("nia,nad->nid", self.triangles[chosen], self.frames[minus_rows, :2])
-        corners: Matrix = self.origins[minus_rows][:, None] + flat
-        return corners
+        return np.asarray(self.origins[minus_rows][:, None] + flat)
 
     def touched(self, chosen: Mask) -> "Segments":
         """Return the chosen triangles (n_triangle,) with their facets alone."""
@@ -189,8 +188,7 @@ def _hidden_polygons(
 
 def _in_planes(points: Matrix, origins: Matrix, frames: Matrix) -> Matrix:
     """Return points (n, k, 3) projected onto the planes of n facets (n, k, 2)."""
-    flat: Matrix = np.einsum("nkd,nad->nka", points - origins[:, None], frames[:, :2])
-    return flat
+    return np.asarray(np.einsum("nkd,nad->nka", points - origins[:, None], frames[:, :2]))
 
 
 def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
@@ -207,8 +205,7 @@ def _lifted(
     upwards, normals = frames[:, 2], above.normals[upper_cells]
     offset = np.einsum("ncd,nd->nc", above.centres[upper_cells][:, None] - points, normals)
     height = offset / np.einsum("nd,nd->n", upwards, normals)[:, None]
-    lifted: Matrix = points + height[..., None] * upwards[:, None]
-    return lifted
+    return np.asarray(points + height[..., None] * upwards[:, None])
 
 
 def _distance_between(
@@ -225,8 +222,7 @@ def _distance_between(
         normals = cells.normals[rows]
         offset = np.einsum("nd,nd->n", cells.centres[rows] - points, normals)
         heights.append(offset / np.einsum("nd,nd->n", upwards, normals))
-    distance: Vector = heights[1] - heights[0]
-    return distance
+    return np.asarray(heights[1] - heights[0])
 
 
 def _overlapping_boxes(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indices]:

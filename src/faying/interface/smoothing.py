@@ -45,8 +45,7 @@ class Smoothing:
 
     def smoothed(self, pressure: Vector) -> Vector:
         """Return a pressure (n_point,) after averaging and interpolation, never negative."""
-        smooth: Vector = np.maximum(self.read @ (self.average @ pressure), 0.0)
-        return smooth
+        return np.asarray(np.maximum(self.read @ (self.average @ pressure), 0.0))
 
 
 def _at_gauss_points(

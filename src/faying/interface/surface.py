@@ -87,8 +87,7 @@ class ContactSurface:
 
     def nodal_average(self, values: Matrix) -> Matrix:
         """Return averages at the pairs (n_pair, ...) of values at points (n_point, ...)."""
-        average: Matrix = self._averages @ values
-        return average
+        return np.asarray(self._averages @ values)
 
 
 def contact_surface(

@@ -129,15 +129,13 @@ def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indic
     wrong = nodes[_resisted(K, without).any(axis=1)]
     # Where everything is next to a support nothing is left that moves, and nothing can be said.
     linked = nodes[(abs(K) @ without > 0).any(axis=1)]
-    labelled: Indices = np.intersect1d(np.setdiff1d(turning, wrong), linked)
-    return labelled
+    return np.intersect1d(np.setdiff1d(turning, wrong), linked)
 
 
 def _resisted(K: SparseMatrix, motions: Matrix) -> Mask:
     """Tell where K resists motions (n, k) by more than round-off."""
     force, size = K @ motions, abs(K) @ np.abs(motions)
-    resisted: Mask = np.abs(force) > DECK_DIGITS * size
-    return resisted
+    return np.asarray(np.abs(force) > DECK_DIGITS * size)
 
 
 def _relaxed(K: SparseMatrix, motions: Matrix, free: Mask) -> Matrix:

@@ -93,8 +93,7 @@ def _positions(labels: Indices, table: Indices) -> Indices:
     order = np.argsort(keys, kind="stable")
     ranks = np.minimum(np.searchsorted(keys, sought, sorter=order), len(keys) - 1)
     rows = order[ranks]
-    result: Indices = np.where((table[rows] == labels).all(axis=1), rows, -1)
-    return result
+    return np.where((table[rows] == labels).all(axis=1), rows, -1)
 
 
 LETTERS = {"M": "M", "K": "K", "C": "B"}

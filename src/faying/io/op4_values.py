@@ -95,8 +95,7 @@ def spread(starts: Indices, counts: Indices) -> Indices:
     """Return start, start + 1, … for each of several runs, joined."""
     ends = np.cumsum(counts)
     offsets = np.arange(int(ends[-1]) if len(ends) else 0, dtype=np.int64)
-    runs: Indices = offsets + np.repeat(starts - (ends - counts), counts)
-    return runs
+    return np.asarray(offsets + np.repeat(starts - (ends - counts), counts))
 
 
 def chunks(counts: Indices) -> Iterator[slice]:

@@ -46,8 +46,7 @@ class StraightSides:
     def nodes(self) -> Matrix:
         """Places (n, 3) of the new nodes."""
         ends = np.array(list(self.ends), dtype=np.int64).reshape(-1, 2)
-        middles: Matrix = self.places[ends].mean(axis=1)
-        return middles
+        return np.asarray(self.places[ends].mean(axis=1))
 
     @property
     def node_ids(self) -> Indices:

@@ -174,8 +174,7 @@ def _pairs(assembly: Assembly, spec: InterfaceSpec) -> Indices:
     """Return the pairs of nodes (n, 2) of surfaces that match; none where they do not."""
     faces = pairs_across(assembly, spec)
     both = [np.column_stack([part.minus.ravel(), part.plus.ravel()]) for part in faces]
-    pairs: Indices = np.unique(np.concatenate([np.empty((0, 2), dtype=np.int64), *both]), axis=0)
-    return pairs
+    return np.unique(np.concatenate([np.empty((0, 2), dtype=np.int64), *both]), axis=0)
 
 
 def _opposite(assembly: Assembly, spec: InterfaceSpec) -> Indices:

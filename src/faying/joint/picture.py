@@ -75,8 +75,7 @@ def _shade(corners: Matrix) -> Vector:
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     unit = normal / np.where(length > 0, length, 1.0)
     light = np.clip(unit @ (LIGHT / np.linalg.norm(LIGHT)), 0.0, 1.0)
-    brightness: Vector = AMBIENT + (1 - AMBIENT) * light
-    return brightness
+    return np.asarray(AMBIENT + (1 - AMBIENT) * light)
 
 
 def frame(axes: Any, points: Matrix) -> None:
@@ -143,8 +142,7 @@ def _heights(axes: Any, points: Matrix) -> Vector:
     """Return the heights of points (n, 3) above the lower edge of the axes, over their height."""
     _, height, _ = proj3d.proj_transform(*points.T, axes.get_proj())
     drawn = axes.transData.transform(np.stack([np.zeros(len(points)), height], axis=-1))
-    heights: Vector = axes.transAxes.inverted().transform(drawn)[:, 1]
-    return heights
+    return np.asarray(axes.transAxes.inverted().transform(drawn)[:, 1])
 
 
 def name_axes(axes: Any, length: str) -> None:
@@ -208,8 +206,7 @@ def plot_model(
 def _rightmost(points: Matrix) -> Vector:
     """Return the point farthest to the right in the picture."""
     azimuth = np.radians(VIEW["azim"])
-    anchor: Vector = points[int((points[:, :2] @ [-np.sin(azimuth), np.cos(azimuth)]).argmax())]
-    return anchor
+    return np.asarray(points[int((points[:, :2] @ [-np.sin(azimuth), np.cos(azimuth)]).argmax())])
 
 
 def _add_legend(model: Model, axes: Any) -> None:

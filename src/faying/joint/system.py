@@ -232,8 +232,7 @@ def input_forces(system: System, inputs: Matrix) -> Matrix:
     forces[..., dofs] += inputs[..., : len(dofs)]
     if system.load_patterns:
         forces += inputs[..., first:] @ pattern_forces(system.load_patterns, n_dof)
-    result: Matrix = forces
-    return result
+    return forces
 
 
 def bolt_input(system: Joint, bolt: str) -> int:
@@ -253,8 +252,7 @@ def unstretched_bolt_forces(system: Joint, inputs: Matrix) -> Matrix:
         [[pattern.bolt_forces.get(bolt, 0.0) for bolt in bolts] for pattern in patterns]
     )
     expanded = inputs[..., first:] @ added.reshape(len(patterns), len(bolts))
-    forces: Matrix = inputs[..., first - len(bolts) : first] + expanded
-    return forces
+    return np.asarray(inputs[..., first - len(bolts) : first] + expanded)
 
 
 def initial_bolt_forces(system: Joint) -> Vector:

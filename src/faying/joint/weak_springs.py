@@ -160,8 +160,7 @@ def _free_nodes(model: Model) -> Mask:
         nodal = np.moveaxis(model.dofs.nodal(mechanisms.motions.T), 0, -1)
         size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
     # Nodes at rest in all motions belong to no free body.
-    free: Mask = size > SHORT_DIGITS * size.max(initial=0.0)
-    return free
+    return np.asarray(size > SHORT_DIGITS * size.max(initial=0.0))
 
 
 def _distant_pairs(points: Matrix, pairs: Indices) -> Indices:
@@ -174,8 +173,7 @@ def _distant_pairs(points: Matrix, pairs: Indices) -> Indices:
     second = np.linalg.norm(away, axis=1).argmax()
     along = away[second] / np.linalg.norm(away[second])
     third = np.linalg.norm(away - np.outer(away @ along, along), axis=1).argmax()
-    chosen: Indices = pairs[[first, second, third]]
-    return chosen
+    return pairs[[first, second, third]]
 
 
 def _relative(transformation: SparseMatrix, pairs: Indices) -> SparseMatrix:

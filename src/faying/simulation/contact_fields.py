@@ -24,15 +24,13 @@ class ContactFields:
     @property
     def pressure(self) -> Matrix:
         """Contact pressure p (..., n_point) [force/length²], compression positive."""
-        pressure: Matrix = self.contact_forces / self.system.contact.weights
-        return pressure
+        return self.contact_forces / self.system.contact.weights
 
     @property
     def traction(self) -> Matrix:
         """Traction on the plus side in the tangent plane (..., n_point, 3) [force/length²]."""
         weights = self.system.contact.weights[:, None]
-        traction: Matrix = self._along_tangents(self.shear_forces) / weights
-        return traction
+        return self._along_tangents(self.shear_forces) / weights
 
     @property
     def slip(self) -> Matrix:
@@ -48,8 +46,7 @@ class ContactFields:
     def _along_tangents(self, components: Matrix) -> Matrix:
         """Return vectors (..., n_point, 3) from components (..., n_tangent, n_point)."""
         tangents = self.system.contact.tangents[: components.shape[-2]]
-        vectors: Matrix = np.einsum("...cp,cpk->...pk", components, tangents)
-        return vectors
+        return np.asarray(np.einsum("...cp,cpk->...pk", components, tangents))
 
     @property
     def max_pressure(self) -> Matrix:

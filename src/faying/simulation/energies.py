@@ -10,8 +10,7 @@ from faying.joint.system import System, boundary_dofs, elongations
 
 def half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
     """½ xᵀ A x of each row x (n_time, n)."""
-    energy: Vector = 0.5 * np.einsum("tn,tn->t", vectors, (matrix @ vectors.T).T)
-    return energy
+    return np.asarray(0.5 * np.einsum("tn,tn->t", vectors, (matrix @ vectors.T).T))
 
 
 def contact_energy(contact: Contact, forces: Matrix, shear: Matrix) -> Vector:

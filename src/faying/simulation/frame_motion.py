@@ -84,8 +84,7 @@ def frame_loads(model: Model) -> Matrix:
     One assembly.
     """
     nodal = model.nodal_mass @ affine_fields(model.assembly.mesh.nodes)
-    loads: Matrix = model.dofs.transformation.T @ nodal
-    return loads
+    return np.asarray(model.dofs.transformation.T @ nodal)
 
 
 def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix:
@@ -114,8 +113,7 @@ def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix:
     gram[4:, 0] = coupling[:, :3].ravel()
     gram[4:, 1:4] = coupling[:, 3:].reshape(-1, 3)
     gram[:4, 4:] = gram[4:, :4].T
-    symmetric: Matrix = (gram + gram.T) / 2
-    return symmetric
+    return np.asarray((gram + gram.T) / 2)
 
 
 def _cross(vectors: Matrix) -> Matrix:

@@ -48,8 +48,7 @@ class History:
 
     def at(self, times: Vector) -> Vector:
         """Values at the given instants."""
-        values: Vector = np.interp(times, self.times, self.values)
-        return values
+        return np.interp(times, self.times, self.values)
 
 
 class StaticLoad(Protocol):

@@ -171,8 +171,7 @@ def relative_forces(
     Tangential components are (..., n_tangent, n_point).
     """
     contact = system.contact
-    forces: Matrix = (contact.transposed[1] @ contact.at_pairs(contact_forces, shear_forces)).T
-    return forces
+    return (contact.transposed[1] @ contact.at_pairs(contact_forces, shear_forces)).T
 
 
 def similar_groups(vectors: Matrix, size: int) -> list[Indices]:

@@ -80,8 +80,7 @@ class Unilateral:
 
     def energy(self, forces: Matrix, weights: Vector) -> Vector:
         """Return ½ λ c(λ) (n_point,)."""
-        energy: Vector = 0.5 * forces[0] * self.closure(forces, weights)[0][0]
-        return energy
+        return np.asarray(0.5 * forces[0] * self.closure(forces, weights)[0][0])
 
     def admissible(self, forces: Matrix) -> Matrix:
         """Return ⟨λ⟩: contact presses, it never pulls."""

@@ -135,8 +135,7 @@ def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
         shares += np.bincount(facets.ravel(), share.ravel(), minlength=len(coordinates))
     if not coupled.facets:
         shares[coupled.nodes] = 1.0
-    weights: Vector = shares[coupled.nodes]
-    return weights
+    return shares[coupled.nodes]
 
 
 def read_distributing(data: DeckData) -> list[Equation]:

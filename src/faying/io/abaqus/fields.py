@@ -51,8 +51,7 @@ class Table:
     @property
     def counts(self) -> Indices:
         """Number of fields on each data line."""
-        counts: Indices = np.bincount(self.row, minlength=len(self.keyword.data))
-        return counts
+        return np.bincount(self.row, minlength=len(self.keyword.data))
 
     def columns(self, fewest: int, width: int, expected: str) -> tuple[list[Fields], Indices]:
         """Return the columns of lines of ``fewest`` to ``width`` fields, empty where left out.
@@ -128,8 +127,7 @@ def integers(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Indice
     _check_letters(texts, _IN_INTEGERS, keyword, row, what)
     if np.strings.str_len(texts).max() <= 15:
         try:
-            values: Indices = texts.astype(np.int64)
-            return values
+            return texts.astype(np.int64)
         except ValueError:
             pass
     raise _unreadable_field(texts, _INTEGER, keyword, row, f"{what}, a whole number")

@@ -299,8 +299,7 @@ def _table(keyword: Keyword, names: Sequence[str]) -> Matrix:
 def _at(keyword: Keyword, temperature: float | None, table: Matrix) -> Vector:
     """Return the constants of a table over temperature, the last of its columns."""
     if len(table) == 1:
-        constants: Vector = table[0, :-1]
-        return constants
+        return table[0, :-1]
     if temperature is None:
         keyword.refuse(
             "constants that depend on temperature are not supported where it differs between "

@@ -126,8 +126,7 @@ def _edges(region: Region, mesh: Mesh) -> Vector:
         nodes = corner_nodes(region.facets)
     points = mesh.nodes[nodes]
     lengths = np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2)
-    positive: Vector = lengths[lengths > 0]
-    return positive
+    return np.asarray(lengths[lengths > 0])
 
 
 def _outside(region: Region, mesh: Mesh) -> Facets:

@@ -134,8 +134,7 @@ def _turned(kind: str, pressures: Matrix, first_corner: Indices) -> Matrix:
     """Order intensities like the corners of the face, which begin elsewhere than at G1."""
     n = FACES[kind].n_corners
     order = (np.arange(n) - first_corner[:, None]) % n
-    turned: Matrix = np.take_along_axis(pressures[:, :n], order, axis=1)
-    return turned
+    return np.take_along_axis(pressures[:, :n], order, axis=1)
 
 
 def _directions(cards: Cards) -> Matrix:
@@ -148,8 +147,7 @@ def _directions(cards: Cards) -> Matrix:
         lambda _: "the direction N1, N2, N3 has no length; give a vector, or leave CID and N blank",
         9,
     )
-    unit: Matrix = vectors / np.where(length > 0, length, 1.0)[:, None]
-    return unit
+    return vectors / np.where(length > 0, length, 1.0)[:, None]
 
 
 def _forces(
@@ -221,8 +219,7 @@ def _along_grids(cards: Cards, grids: Grids) -> Matrix:
         lambda _: "its grids give no direction: they coincide, or their lines are parallel",
         3,
     )
-    directed: Matrix = cards.reals(2)[:, None] * vectors / length[:, None]
-    return directed
+    return np.asarray(cards.reals(2)[:, None] * vectors / length[:, None])
 
 
 def _on_grids(cards: Cards, grids: Grids) -> Iterator[Part]:

@@ -149,8 +149,7 @@ def _facets(card: Card, grids: Grids, solids: Sequence[CellBlock]) -> Indices:
         corners_of = nodes[rows]
         distinct = (corners_of != np.roll(corners_of, 1, axis=1)).all(axis=1)
         among = (corners_of[:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
-        chosen: Mask = distinct & among
-        return chosen
+        return np.asarray(distinct & among)
 
     faces, fitting = find_faces(solids, table[:, 0], fits)
     if not fitting.all():

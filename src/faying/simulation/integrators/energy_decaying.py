@@ -92,8 +92,7 @@ class EnergyDecaying(SpectralRadius):
         u, v, a, new = motion.u, motion.v, motion.a, 0.5 + self.lead
         inertia = system.M @ (u / step**2 + (v - self.lead * step * a) / step) / new
         elastic = system.K @ ((1 - new) * u - self.lead * step * motion.lagging)
-        right: Vector = inertia + system.C @ (u / step) - elastic + 0.5 * motion.force
-        return right
+        return inertia + system.C @ (u / step) - elastic + 0.5 * motion.force
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:  # noqa: ARG002
         """Return the external forces; contact enters the balance as the mean over the step."""

@@ -56,8 +56,7 @@ class ImplicitEuler:
     def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
         """Return M (u₀/h² + v₀/h) + C u₀/h."""
         inertia = system.M @ (motion.u / step**2 + motion.v / step)
-        right: Vector = inertia + system.C @ (motion.u / step)
-        return right
+        return inertia + system.C @ (motion.u / step)
 
     def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the contact law at the end of a step."""

@@ -47,8 +47,7 @@ class NodalMotion:
 def even_states(count: int) -> Indices:
     """Choose states that stand for ``count`` of them, evenly."""
     even = np.linspace(0, count - 1, min(MOST_STATES, count))
-    chosen: Indices = np.unique(np.rint(even).astype(np.int64))
-    return chosen
+    return np.unique(np.rint(even).astype(np.int64))
 
 
 def shown_states(peaks: Vector) -> Indices:
@@ -56,8 +55,7 @@ def shown_states(peaks: Vector) -> Indices:
 
     Peaks (n,) are the largest pressures of each instant or increment.
     """
-    chosen: Indices = np.unique(np.append(even_states(len(peaks)), int(peaks.argmax())))
-    return chosen
+    return np.unique(np.append(even_states(len(peaks)), int(peaks.argmax())))
 
 
 def nodal_motion(model: Model, solution: Solution) -> NodalMotion:

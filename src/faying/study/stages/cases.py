@@ -213,8 +213,7 @@ class CaseRunner:
         if not case.transient:
             return None
         step = time_step(case, self.joint.period) / refinement
-        times: Matrix = step * np.arange(self._steps(case, refinement) + 1, dtype=float)
-        return times
+        return step * np.arange(self._steps(case, refinement) + 1, dtype=float)
 
     def _steps(self, case: LoadCaseSection, refinement: int = 1) -> int:
         step = time_step(case, self.joint.period) / refinement
