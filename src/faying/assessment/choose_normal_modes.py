@@ -50,7 +50,7 @@ class NormalModeChoice(Frozen):
         Chosen number of normal modes: the smallest tried number within the tolerance, or, if none
         is, the smallest that is as good as the best (``met``).
     met
-        Whether the estimated error, times the largest ratio of the true one to it in
+        Whether the estimated error, over its smallest ratio to the true one in
         :data:`~.transient_error.OBSERVED_RATIOS`, is within the tolerance.
     tolerance : [1]
         Given limit of the pressure error over the peak.

@@ -1,4 +1,4 @@
-"""The joint judged over its load cases: bolts, interfaces, and what it must hold."""
+"""Assessment of a joint over its load cases: bolts, interfaces and requirements."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -50,11 +50,11 @@ def judged(
     demands: Mapping[tuple[str, str], SlipDemand] | None = None,
     opens: Mapping[str, CaseState] | None = None,
 ) -> Assessment:
-    """Judge a joint whose load cases are solved already, static ones and those over time.
+    """Return the assessment of a joint over solved load cases, static or transient.
 
-    Paths and slip reserves go with load cases: those that were followed, and those of joints with
-    friction. Demands are the friction that static cases need, by interface and bolt, or no bolt.
-    ``opens`` are the load cases whose open area is told.
+    Paths and slip reserves belong to load cases: paths to those that were followed, reserves to
+    joints with friction. Demands are the friction that static cases need, by interface and bolt, or
+    no bolt. ``opens`` are the load cases whose open area is reported.
     """
     followed_paths, limits = paths or {}, requirements or Requirements()
     needed = demands or {}
@@ -122,7 +122,7 @@ LOOSE = ("opening", "slip")
 
 
 def loosest_checks(loose: Assessment, units: Units) -> tuple[Check, ...]:
-    """Return the checks of opening and slip of a joint that was judged at P_p,min."""
+    """Return the checks of opening and slip of a joint assessed at P_p,min."""
     return tuple(
         replace(check, scatter=LEAST)
         for check in joint_checks(loose, units)
@@ -164,7 +164,7 @@ def _interface(
 def _opened(
     surface: ContactSurface, preloaded: CaseState, cases: Mapping[str, CaseState]
 ) -> dict[str, float]:
-    """Return the largest share of what the preload presses that is open, by load cases."""
+    """Return the largest open share of the area under preload pressure, by load cases."""
     points = slice(*surface.slice)
     pressed = np.where(preloaded.pressure[0, points] > 0, surface.weights, 0.0)
     if not pressed.any():
@@ -177,7 +177,7 @@ def _opened(
 
 
 def _openings(paths: Mapping[str, Openings], area: str) -> dict[str, float]:
-    """Return the load cases that were followed, with the factor at which they open an area."""
+    """Return the factors at which followed load cases open an area."""
     return {case: path.opened[area] for case, path in paths.items() if area in path.opened}
 
 
@@ -203,7 +203,7 @@ def _bolt(
             continue
         load, gain, changed = _axial_load(name, surfaces, masks, preloaded, state)
         axial[case] = load
-        # A share of the load that the bolt takes; its force can change for other reasons too.
+        # The share of the load in the bolt, whose force can change for other reasons too.
         acts = abs(load) > max(DECK_DIGITS * abs(preload), SMALLEST_AXIAL_SHARE * changed)
         if acts and 0 <= gain / load <= 1:
             factors[case] = gain / load
@@ -232,7 +232,7 @@ def _axial_load(
     preloaded: CaseState,
     case: CaseState,
 ) -> tuple[float, float, float]:
-    """Return F_A = ΔF_S − ΔF_K, ΔF_S and |ΔF_S| + Σ |ΔF_i| of all points where F_A is largest."""
+    """Return F_A = ΔF_S − ΔF_K, ΔF_S and |ΔF_S| + Σ |ΔF_i| over all points at the largest F_A."""
     gains = case.bolt_forces[name] - preloaded.bolt_forces[name]
     candidates = [(0.0, 0.0, 0.0)]
     for interface, around in masks.items():

@@ -1,7 +1,7 @@
-"""Checks of bolts and interfaces from an assessment: what is demanded, and what must hold anyway.
+"""Checks of bolts and interfaces from an assessment: requirements, and general conditions.
 
-Demanded or not, no bolt may yield, no interface may lose its clamp force, open or slide under the
-loads themselves: where the study demands no more, the limit is one times the load.
+Even without requirements, no bolt may yield, and no interface may lose its clamp force, open or
+slide under the given loads: the default limit is a load factor of one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -36,7 +36,7 @@ def joint_checks(
 ) -> tuple[Check, ...]:
     """Return the checks of every bolt and interface, bolts first.
 
-    Slip reserves are those of load cases of joints with friction.
+    Slip reserves are by load case, for joints with friction.
     """
     demands: dict[str, list[Verdict]] = {}
     for verdict in found.verdicts:
@@ -61,7 +61,7 @@ def joint_checks(
 
 
 def _worse_ends(checks: Sequence[Check]) -> Iterator[Check]:
-    """Yield one check of each quantity: of preloads that were meant and that scatter, the worse."""
+    """Yield one check of each quantity: the worse of nominal and scattered preloads."""
     by_quantity: dict[str, list[Check]] = {}
     for check in checks:
         by_quantity.setdefault(check.quantity, []).append(check)
@@ -118,7 +118,7 @@ def _bolt_checks(
 def _local_slip(
     name: str, bolt: BoltAssessment, found: Assessment, demands: Sequence[Verdict]
 ) -> Iterator[Check]:
-    """Yield where the sums around a bolt exceed friction while those of its interface do not."""
+    """Yield checks of bolts around which sums exceed friction, but not on the whole interface."""
     limit = max((demand.limit for demand in demands), default=1.0)
     for place, demand in bolt.slip_around.items():
         whole = found.interfaces[place].slip
@@ -185,7 +185,7 @@ def _interface_checks(
 
 
 def _opened(name: str, interface: InterfaceAssessment, open_below: float) -> Iterator[Check]:
-    """Judge what opens in load cases that are not followed to the factor at which it does."""
+    """Yield the check of the open area in load cases that are not followed to opening."""
     opened = {
         case: share for case, share in interface.opened.items() if case not in interface.opening
     }
@@ -201,7 +201,7 @@ def _slip(
     demands: Mapping[str, Sequence[Verdict]],
     reserves: Mapping[str, SlipReserve],
 ) -> Iterator[Check]:
-    """Yield slip by sums of forces, and sliding as a load is followed with friction."""
+    """Yield slip by sums of forces, and sliding along load paths with friction."""
     safety, sliding = demands.get("min_slip_safety", ()), demands.get("min_sliding_factor", ())
     unknown = [
         verdict.reason for verdict in safety if verdict.met is None and verdict.place in ("", name)
@@ -230,7 +230,7 @@ def _slip(
 def _sliding(
     check: Check, reserves: Mapping[str, SlipReserve], demands: Sequence[Verdict]
 ) -> Check:
-    """Judge the factors at which an interface slides, or up to which its joint was followed."""
+    """Return the check of the factors at which an interface slides, or at which its path ended."""
     factors = {
         case: reserve.gross_slip
         for case, reserve in reserves.items()
@@ -252,14 +252,14 @@ def _sliding(
 def _least_factor(
     check: Check, factors: Mapping[str, float], demands: Sequence[Verdict], unit: str = TIMES_LOAD
 ) -> Check:
-    """Judge the least of the factors that load cases may be multiplied by."""
+    """Return the check of the smallest load factor over load cases."""
     limit = max((demand.limit for demand in demands), default=1.0)
     case, factor = find_least(factors)
     return replace(check, unit=unit, case=case, required=bool(demands)).at_least(factor, limit)
 
 
 def _judged(check: Check, verdict: Verdict) -> Check:
-    """Return a requirement that says yes or no as a check."""
+    """Return a requirement without a number as a check."""
     if verdict.met is None:
         return replace(check, reason=verdict.reason, required=True)
     outcome: Outcome = "met" if verdict.met else "not met"

@@ -1,4 +1,4 @@
-"""What judges a joint over load cases that are solved, whatever solved them."""
+"""The judge of a joint over solved load cases, for any source of the solutions."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -54,36 +54,36 @@ UNTOLD = "the file does not tell what is carried along it; reduce the study agai
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointJudge:
-    """A joint with its solved load cases, and what it is judged by.
+    """A joint with its solved load cases, and the requirements on it.
 
     Attributes
     ----------
     system
         Preloaded full or reduced model.
     exact
-        Solves cases anew where preloads scatter: its static pressures are those of the full model.
+        Model with the static pressures of the full one, for solutions at scattered preloads.
     preloaded
         The preloaded state.
     cases
         Load cases by name.
     requirements
-        What must hold.
+        Requirements on the joint.
     strengths
-        What the strength of bolts is judged by.
+        Threads, ranges and temperatures for the strength of bolts.
     attempt
-        Context, by name, for parts that may fail; they raise unless it is given.
+        Context, by name, for parts that may fail; by default they raise.
     loads
         Static load cases.
     followed
-        Names of those to follow to their openings, where nothing is remembered.
+        Names of load cases to follow to their openings, for joints without history.
     summed
-        Loads whose slip is judged by sums of forces.
+        Loads for slip by sums of forces.
     reserves
         Load case to its slip reserve, of joints with friction.
     openings
-        Load case to its openings, of those that were followed before.
+        Load case to its openings, for cases that were followed before.
     scatter
-        Of the preloads, over which the metrics of each static load case are told too.
+        Scatter of the preloads, for spreads of the metrics of each static load case.
     """
 
     system: Model | ReducedModel
@@ -102,12 +102,12 @@ class JointJudge:
 
     @cached_property
     def memoryless(self) -> Mapping[str, NamedLoad]:
-        """Static load cases, by name, that can be solved whatever came before them."""
+        """Static load cases, by name, that do not depend on earlier ones."""
         return {load.name: load for load in self.loads if self.system.contact.forgets}
 
     @property
     def solved_anew(self) -> Mapping[str, NamedLoad]:
-        """Static load cases, by name, that are solved at other preloads: those without friction."""
+        """Static load cases, by name, to solve at other preloads: without friction."""
         smooth = self.system.contact.components == 1
         return {load.name: load for load in self.loads if smooth}
 
@@ -118,17 +118,17 @@ class JointJudge:
 
     @cached_property
     def coefficients(self) -> dict[str, float]:
-        """Coefficient that each interface is judged with, of those that have one."""
+        """Coefficient of friction for each interface that has one."""
         smallest, of_smooth = self.strengths.smallest_friction, self.requirements.slip_friction
         return slip_coefficients(self.system.contact, smallest, of_smooth)
 
     def assessment(self) -> Assessment:
-        """Judge bolts and interfaces over the load cases as they are, and what is required."""
+        """Return the assessment of bolts, interfaces and requirements over the load cases."""
         demands: dict[tuple[str, str], SlipDemand] = {}
         with self.attempt("slip by sums"):
             demands = self._demands()
         paths = {**self._paths(self.followed), **self.openings}
-        # Cases that remember nothing are judged by the factors at which they open.
+        # Cases without history are judged by the factors at which they open.
         unfollowed = {n: state for n, state in self.cases.items() if n not in self.memoryless}
         judged_cases = self._judged(paths, demands, unfollowed)
         spreads, scatter, threads = list[Spread](), self.scatter, self.strengths.threads
@@ -143,8 +143,8 @@ class JointJudge:
     ) -> Self:
         """Return a copy with certified clamp forces of its memoryless load cases.
 
-        The certifier, None where there is none, is asked for where there are such cases. Pressures
-        (n_case, n_point) are those of the load cases unless given.
+        The function ``certifier``, which may return None, is called only if there are such cases.
+        Pressures (n_case, n_point) are by default those of the load cases.
         """
         names = [name for name in self.memoryless if name in self.cases]
         judge = certifier() if names else None
@@ -177,7 +177,7 @@ class JointJudge:
         )
 
     def at_ends(self, assessment: Assessment, ends: Sequence[PreloadEnd]) -> Assessment:
-        """Return an assessment with what is judged at the ends of the preloads."""
+        """Return an assessment with the results at the ends of the preloads."""
         system, units = self.system, self.system.units
         limits = wanted_clamps(self.requirements.min_clamp_force, self.surfaces)
         clamps = tuple(clamp_checks(ends, self.surfaces, system.bolts, limits, units))
@@ -197,7 +197,8 @@ class JointJudge:
     ) -> Assessment:
         """Return an assessment with the ends of the preloads, and the strength of bolts there.
 
-        Repetitions say how often a load case comes in the life of the joint, where that is known.
+        Repetitions are the numbers of times a load case occurs in the life of the joint, where
+        known.
         """
         ends, threads, units = self.ends(histories), self.strengths.threads, self.system.units
         judged_ends = self.at_ends(assessment, ends)
@@ -224,7 +225,7 @@ class JointJudge:
     def _paths(
         self, followed: Collection[str], initial: Vector | None = None
     ) -> dict[str, Openings]:
-        """Follow memoryless load cases to their openings; not those where that failed."""
+        """Return openings of memoryless load cases; cases that fail are missing."""
         system, openings = self.system, dict[str, Openings]()
         joint = system.joint if isinstance(system, ReducedModel) else system
         areas = areas_that_open(self.surfaces, system.contact.slices, system.bolts)
@@ -241,14 +242,14 @@ class JointJudge:
         return openings
 
     def _inputs(self, loads: Sequence[NamedLoad], initial: Vector | None) -> Matrix:
-        """Return inputs (n_load, n_input), of bolts locked at other initial forces (n_bolt,)."""
+        """Return inputs (n_load, n_input), with bolts locked at other initial forces (n_bolt,)."""
         rows = [load.inputs(self.system, np.zeros(1)) for load in loads]
         return with_initial(self.system, np.concatenate(rows), initial)
 
     def _demands(self, initial: Vector | None = None) -> dict[tuple[str, str], SlipDemand]:
-        """Return the friction that loads need, as if there were none.
+        """Return the friction that loads need, computed without friction.
 
-        Interfaces with friction are judged so where it is demanded, or paths tell the rest.
+        Interfaces with friction are included if this is required, or if paths give the rest.
         """
         if not self.summed:
             return {}
@@ -283,9 +284,9 @@ class JointJudge:
 
 
 def _forces_without_friction(joint: Joint, rest: Matrix, inputs: Matrix) -> Matrix:
-    """Return contact forces (n_load, n_point) under loads, each on from the tightened joint.
+    """Return contact forces (n_load, n_point) under loads, each starting from the tightened joint.
 
-    Inputs of the rest are (1, n_input), of the loads (n_load, n_input).
+    Inputs at rest are (1, n_input), those of the loads (n_load, n_input).
     """
     ways = [moved_alone(joint, np.vstack([rest, load])) for load in inputs]
     return contact_at_ends(joint, ways, partial(unstressed, joint)).forces
@@ -297,12 +298,12 @@ def surfaces_of(system: Model | ReducedModel) -> Mapping[str, ContactSurface]:
 
 
 def tangential_of(system: Model | ReducedModel) -> Sequence[TangentialRows]:
-    """Return what is carried along the interfaces of a full or reduced model."""
+    """Return the tangential resultants of the interfaces of a full or reduced model."""
     return tangential_rows(system) if isinstance(system, Model) else system.tangential
 
 
 def rest_of(preloaded: Solution) -> CaseState:
-    """Return a preloaded state, or the last one of a path, as it is judged."""
+    """Return the state at rest from a preloaded state, or from the last one of a path."""
     return state_of(preloaded, slice(-1, None), bent_bolts(preloaded.system.bolts))
 
 
@@ -315,7 +316,7 @@ def assess(
     threads: Mapping[str, Thread] | None = None,
     scatter: PreloadScatter | None = None,
 ) -> Assessment:
-    """Judge a joint without friction over static load cases.
+    """Return the assessment of a joint without friction over static load cases.
 
     Parameters
     ----------
@@ -324,14 +325,14 @@ def assess(
     loads
         Histories are taken at time zero.
     requirements
-        What must hold.
+        Requirements on the joint.
     paths
         Whether each load is followed to its openings
         (:func:`~faying.assessment.opening.opening_factors`).
     threads
         Bolt to its thread, whose stress is then compared with the grade.
     scatter
-        Of the preloads, over which the metrics of each load are then told too.
+        Scatter of the preloads, for spreads of the metrics of each load.
 
     Raises
     ------
@@ -340,9 +341,8 @@ def assess(
 
     Notes
     -----
-    Some milliseconds a load, besides its path. Clamp forces of the full model
-    are certified: those of a reduced model whose basis gives contact its forces from a static
-    solution at the ports of the full one, another some milliseconds a load.
+    Some milliseconds a load, besides its path. Clamp forces of the full model are certified; for a
+    reduced model without residual compliance this takes a solution at the ports, as long again.
 
     Examples
     --------
@@ -381,7 +381,7 @@ def assess(
 
 
 def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:
-    """Return the full model's pressures (n_case, n_point), to be certified."""
+    """Return the full model's pressures (n_case, n_point), for certificates."""
     if isinstance(system, Model) or system.contact.residual_compliance is not None:
         return cases.pressure
     return solve_cases_at_ports(system.joint, loads).pressure

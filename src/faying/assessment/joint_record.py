@@ -1,4 +1,4 @@
-"""What is known of a joint over its load cases, as plain values."""
+"""Results of a joint over its load cases, as plain values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -25,15 +25,15 @@ class ClampRange:
     least : [force]
         Smallest clamp force.
     least_case
-        Load case it belongs to.
+        Load case of the smallest clamp force.
     certified_least : (2,) [force]
-        Interval in which the full model's clamp force lies in that case, of static cases.
+        Bounds of the full model's clamp force in that case, for static cases.
     most : [force]
         Largest clamp force.
     most_case
-        Load case it belongs to.
+        Load case of the largest clamp force.
     certified_most : (2,) [force]
-        Interval in which the full model's clamp force lies in that case, of static cases.
+        Bounds of the full model's clamp force in that case, for static cases.
     certified_width : [force]
         Width of the widest of these intervals over all static cases.
     """
@@ -51,10 +51,10 @@ class ClampRange:
 def clamp_range(
     preload: float, forces: Mapping[str, Vector], certified: Mapping[str, Vector]
 ) -> ClampRange:
-    """Return between which forces an area stays clamped, from its preload at rest [force].
+    """Return the range of the clamp force of an area, from its preload at rest [force].
 
-    Forces of a load case are (n_instant,) [force]; certified cases have bounds (2,) [force], which
-    infinite intervals of parts of hard contact are not.
+    Forces of a load case are (n_instant,) [force]. Certified cases have bounds (2,) [force];
+    infinite ones, from parts of hard contact, are left out.
     """
     certified = {case: ends for case, ends in certified.items() if np.isfinite(ends).all()}
     lowest, low = find_least({case: float(force.min()) for case, force in forces.items()})
@@ -75,18 +75,18 @@ def clamp_range(
 
 @dataclass(frozen=True, kw_only=True)
 class BoltBending:
-    """Bending of a bolt over all load cases, the larger of those where its beams begin and end.
+    """Bending of a bolt over all load cases, the larger of both ends of its beams.
 
     Attributes
     ----------
     most : [force·length]
-        Largest moment M_b, what tightening leaves included.
+        Largest moment M_b, including bending from tightening.
     most_case
-        Load case it belongs to.
+        Load case of this moment.
     added : [force·length]
         Largest change from the tightened joint.
     added_case
-        Load case it belongs to.
+        Load case of this change.
     """
 
     most: float
@@ -96,9 +96,9 @@ class BoltBending:
 
 
 def bending_of(preload: Matrix, cases: Mapping[str, Matrix]) -> BoltBending:
-    """Judge the bending moments of a bolt [force·length], by end and component across the axis.
+    """Return the largest bending moments of a bolt [force·length].
 
-    Those at rest are (2, 2), those of a load case (n_instant, 2, 2).
+    Moments, by end and component across the axis, are (2, 2) at rest, (n_instant, 2, 2) in a case.
     """
     worst, peak = find_most({case: _largest(moments) for case, moments in cases.items()})
     farthest, added = find_most(
@@ -117,7 +117,7 @@ REST = "at rest"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CaseState:
-    """One load case as the assessment sees it, one row per instant.
+    """Results of one load case for the assessment, one row per instant.
 
     Attributes
     ----------
@@ -125,14 +125,14 @@ class CaseState:
     bolt_forces
         Bolt to (n_instant,) [force].
     certified
-        Interface and bolt, or no bolt, to the interval (2,) [force] in which the full model's clamp
-        force lies there, of static cases.
+        Interface and bolt, or no bolt, to bounds (2,) [force] of the full model's clamp force
+        there, for static cases.
     bolt_moments
-        Bolt to its bending moments (n_instant, 2, 2) [force·length] at both ends, where seen.
+        Bolt to its bending moments (n_instant, 2, 2) [force·length] at both ends, where known.
     retightened
-        Whether bolts are loosened or tightened in it, so that not all they lose is due to loads.
+        Whether bolts are loosened or tightened in it, so that changes are not due to loads alone.
     times : (n_instant,) [time]
-        None of cases without time.
+        None for cases without time.
     """
 
     pressure: Matrix
@@ -154,30 +154,30 @@ class BoltAssessment:
     least : [force]
         Smallest axial force.
     least_case
-        Load case it belongs to.
+        Load case of the smallest axial force.
     most : [force]
         Largest axial force.
     most_case
-        Load case it belongs to.
+        Load case of the largest axial force.
     axial_loads : [force]
-        Load case to F_A = ΔF_S − ΔF_K, what the case takes from the bolt and the area around it
-        along the axis (VDI 2230); of the interface around it where it is largest, at its largest
-        instant. Without load cases that loosen or tighten bolts.
+        Load case to F_A = ΔF_S − ΔF_K, the axial load on the bolt and the area around it
+        (VDI 2230): the largest over interfaces and instants. Without load cases that loosen or
+        tighten bolts.
     load_factors : [1]
-        Load case to Φ = ΔF_S / F_A, the share of F_A that the bolt takes, 0 to 1; only where F_A
-        is a fifth or more of all that changes in the bolt and around it.
+        Load case to Φ = ΔF_S / F_A, the share of F_A in the bolt, 0 to 1; only where F_A is a
+        fifth or more of all force changes in the bolt and around it.
     clamp_around
         Interface to the clamp force of its points nearest to this bolt; empty where the axes of
         several bolts are not all known.
     bending
-        How far the bolt is bent; None where it is unknown, as of springs.
+        Bending of the bolt; None where it is unknown, as for springs.
     thread
-        Stress in the thread, where that is known.
+        Stress in the thread, where known.
     slip_around
         Interface to the friction that its points nearest to this bolt need.
     opening_around : [1]
-        Interface to load case to the factor from which its part nearest to this bolt is open, of
-        several bolts.
+        Interface to load case to the factor from which the area nearest to this bolt is open, if
+        there are several bolts.
     """
 
     preload: float
@@ -205,39 +205,39 @@ class InterfaceAssessment:
     least_clamp : [force]
         Smallest clamp force.
     least_clamp_case
-        Load case it belongs to.
+        Load case of the smallest clamp force.
     certified : (2,) [force]
-        Interval in which the full model's clamp force lies in that case.
+        Bounds of the full model's clamp force in that case.
     most_clamp : [force]
         Largest clamp force.
     most_clamp_case
-        Load case it belongs to.
+        Load case of the largest clamp force.
     certified_most : (2,) [force]
-        Interval in which the full model's clamp force lies in that case.
+        Bounds of the full model's clamp force in that case.
     certified_width : [force]
         Width of the widest of these intervals over all static cases; None without any.
     max_pressure : [force/length²]
         Largest pressure of a contact point.
     max_pressure_case
-        Load case it belongs to.
+        Load case of this pressure.
     max_pressure_point : (3,) [length]
-        Where it is.
+        Position of this contact point.
     max_nodal_pressure : [force/length²]
         Largest average pressure around a node.
     max_nodal_pressure_case
-        Load case it belongs to.
+        Load case of this average.
     closed_area : [length²]
         Smallest area under pressure.
     closed_area_case
-        Load case it belongs to.
+        Load case of this area.
     slip
-        Friction that static load cases need of it; empty where no load case is static.
+        Friction that static load cases need; empty without static load cases.
     opening : [1]
-        Load case to the factor from which less than a share (``open_below``) of the area that the
-        preload presses is pressed; infinite if it never is.
+        Load case to the factor from which less than a share (``open_below``) of the area under
+        preload pressure is still under pressure; infinite if that never happens.
     opened : [1]
-        Load case to the largest share of the area that the preload presses which is open in it; not
-        of those that tighten or loosen bolts, or that are followed to the factor at which it opens.
+        Load case to the largest open share of the area under preload pressure; not for cases that
+        tighten or loosen bolts, or that are followed to the factor at which the area opens.
     """
 
     preload: float
@@ -262,7 +262,7 @@ class InterfaceAssessment:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Assessment:
-    """A joint judged over load cases.
+    """The assessment of a joint over load cases.
 
     Attributes
     ----------
@@ -271,15 +271,15 @@ class Assessment:
     interfaces
         Interfaces by name.
     verdicts
-        Requirements, each where it is nearest to failing.
+        Requirements, each in its most critical place and case.
     scatter
-        What scatter of the preloads does to static load cases, where that was asked for.
+        Effect of the scatter of the preloads on static load cases, if requested.
     open_below : [1]
         Share of the area pressed at rest below which an area is open.
     checks
-        Strength of the bolts whose thread is known, each where it is nearest to failing.
+        Strength of the bolts with known threads, each in its most critical case.
     loosened
-        Opening and slip where all preloads are at their least; none where nothing scatters.
+        Opening and slip with all preloads at their least; empty without scatter.
     """
 
     bolts: Mapping[str, BoltAssessment]
@@ -297,7 +297,7 @@ class Assessment:
 
     @property
     def opening_first(self) -> list[str]:
-        """Load cases that open some area before all others do."""
+        """Load cases that are the first to open some area."""
         areas = [interface.opening for interface in self.interfaces.values()]
         areas += [
             factors for bolt in self.bolts.values() for factors in bolt.opening_around.values()

@@ -38,7 +38,7 @@ class PartVerdict:
     kind
         Whether it is a bolt or an interface.
     checks
-        All of it.
+        All checks of the part.
     """
 
     part: str
@@ -47,17 +47,17 @@ class PartVerdict:
 
     @property
     def counted(self) -> tuple[Check, ...]:
-        """Checks that count: all but those that are unknown and not demanded."""
+        """Checks that count: all except unknown ones that the study does not require."""
         return tuple(check for check in self.checks if check.required or check.outcome != "unknown")
 
     @property
     def worst(self) -> Check | None:
-        """The check that decides; None where nothing could be judged."""
+        """The decisive check; None where nothing could be judged."""
         return worst_check(self.counted)
 
     @property
     def outcome(self) -> Outcome:
-        """What the check that decides says."""
+        """Outcome of the decisive check."""
         return "unknown" if self.worst is None else self.worst.outcome
 
 
@@ -86,14 +86,14 @@ class JointVerdict:
 
     @property
     def holds(self) -> bool:
-        """Whether no check fails, and all that is demanded is known to be met."""
+        """Whether no check fails, and all required ones are known to be met."""
         return not self.missing and all(
             part.worst is None or part.outcome == "met" for part in self.parts
         )
 
     @property
     def decides(self) -> Check | None:
-        """The check that decides over all bolts and interfaces."""
+        """The decisive check over all bolts and interfaces."""
         return worst_check(tuple(part.worst for part in self.parts if part.worst is not None))
 
     @property
@@ -125,14 +125,14 @@ class JointVerdict:
 
     @property
     def open_questions(self) -> tuple[str, ...]:
-        """What the study does not allow to judge, and nobody demands."""
+        """Quantities that cannot be judged from the study and are not required."""
         return _questions(
             check for part in self.parts for check in part.checks if check not in part.counted
         )
 
     @property
     def advice(self) -> tuple[str, ...]:
-        """What to do where checks are not met, each remedy once."""
+        """Remedies for checks that are not met, each once."""
         return _questions(check for check in self._of("not met") if check.reason)
 
 
@@ -177,13 +177,13 @@ def _row(part: PartVerdict, interfaces: Sequence[str], units: Units) -> Iterator
 
 
 def shown_quantity(check: Check, interfaces: Sequence[str]) -> str:
-    """Return what is checked, without the name of the interface where a joint has but one."""
+    """Return the checked quantity, without the name of the only interface of a joint."""
     (name,) = interfaces if len(interfaces) == 1 else ("",)
     return check.quantity.removesuffix(f" at {name}") if name else check.quantity
 
 
 def share_used(check: Check) -> str:
-    """Return the utilisation in percent, or what the check says where it has none."""
+    """Return the utilisation in percent, or the outcome of a check without one."""
     if check.utilisation is None:
         amount = amount_of(check) if check.outcome == "unknown" else ""
         return f"{check.outcome} ({amount})" if amount else check.outcome
@@ -193,7 +193,7 @@ def share_used(check: Check) -> str:
 
 
 def amount_of(check: Check) -> str:
-    """Return what was found and what is allowed; empty where a check has no value."""
+    """Return value and limit as text; empty where a check has no value."""
     if check.value is None or check.limit is None:
         return ""
     value, limit = number(check.value, 4), f"{check.limit:.5g}"
@@ -203,7 +203,7 @@ def amount_of(check: Check) -> str:
 
 
 def place_of(check: Check, units: Units) -> str:
-    """Return the load case, the instant and the end of the scatter that decide."""
+    """Return the decisive load case, instant and end of the scatter."""
     instant = "" if check.instant is None else f"at {quantity(check.instant, units.time)}"
     return ", ".join(filter(None, (f"{check.case} {instant}".strip(), check.scatter)))
 
@@ -214,7 +214,7 @@ def _where(check: Check, units: Units) -> str:
 
 
 def _questions(checks: Iterable[Check]) -> tuple[str, ...]:
-    """Say what is not known, of which parts and why, each reason once."""
+    """Return sentences on unknown quantities, their parts and reasons, each reason once."""
     parts: dict[tuple[str, str], dict[str, str]] = {}
     for check in checks:
         detail, colon, remedy = check.reason.rpartition(": ")
@@ -223,7 +223,7 @@ def _questions(checks: Iterable[Check]) -> tuple[str, ...]:
 
 
 def _question(quantity: str, remedy: str, details: Mapping[str, str]) -> str:
-    """Return a sentence on parts, what differs between them in brackets."""
+    """Return a sentence on parts, with differences between them in brackets."""
     if len({*details.values()}) == 1:
         return f"{quantity} of {', '.join(details)}: {next(iter(details.values()))}{remedy}"
     names = (f"{part} ({detail.rstrip(': ')})" for part, detail in details.items())
@@ -231,7 +231,7 @@ def _question(quantity: str, remedy: str, details: Mapping[str, str]) -> str:
 
 
 def _several(checks: Sequence[Check], verdict: JointVerdict) -> str:
-    """Name checks that are not met, with by how much."""
+    """Return a text on checks that are not met, with their utilisations."""
     said = [
         f"{check.part}, {shown_quantity(check, verdict.interfaces)} "
         f"{amount_of(check) or 'not met'}{_where(check, verdict.units)}"
@@ -242,7 +242,7 @@ def _several(checks: Sequence[Check], verdict: JointVerdict) -> str:
 
 
 def summarized(verdict: JointVerdict) -> dict[str, Any]:
-    """Return the verdict as ``summary.json`` has it."""
+    """Return the verdict in the form of ``summary.json``."""
     return {
         "holds": verdict.holds,
         "sentence": verdict.sentence,

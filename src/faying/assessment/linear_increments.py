@@ -1,4 +1,4 @@
-"""Derivatives of solutions by parameters, where they hold, and what they are linear about, (F6)."""
+"""Derivatives of solutions by parameters, and the linearized increments behind them, (F6)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
@@ -20,29 +20,29 @@ from faying.simulation.solution import Solution
 class Derivatives(Frozen):
     """Derivatives by some parameters; the last axis of every array is the parameter.
 
-    The first axis of those of a path is the increment; those of a static solution have none.
+    For a path the first axis is the increment; for a static solution there is none.
 
     Attributes
     ----------
     parameters
         Names.
     system
-        The model they belong to.
+        The model of the solution.
     contact_forces : (..., n_point, n_parameter)
     shear_forces : (..., 2, n_point, n_parameter)
         Along both tangents of the points.
     shear_slip : (..., 2, n_point, n_parameter)
-        Of what has slipped.
+        Of the slip so far.
     dissipation : (..., n_parameter)
-        Of the energy that friction takes in each increment.
+        Of the energy dissipated by friction in each increment.
     bolt_forces : (..., n_bolt, n_parameter)
     displacements : (..., n_boundary, n_parameter)
         At the boundary degrees of freedom, boundary by boundary.
     lower, upper : (n_parameter,)
         Change of each parameter alone (lower ≤ 0 ≤ upper) at which a first point opens, closes,
         sticks or slips in some state; infinite where none ever does. Between them derivatives
-        without friction are exact, those with it hold to first order: where points slip their
-        directions turn.
+        without friction are exact. With friction they hold to first order, because directions of
+        slip turn.
     """
 
     parameters: tuple[str, ...]
@@ -58,17 +58,17 @@ class Derivatives(Frozen):
 
     @property
     def pressure(self) -> Matrix:
-        """Of the pressure (..., n_point, n_parameter)."""
+        """Derivatives of the pressure (..., n_point, n_parameter)."""
         return np.asarray(self.contact_forces / self.system.contact.weights[:, None])
 
     @property
     def traction(self) -> Matrix:
-        """Of the tangential traction on the plus side (..., n_point, 3, n_parameter)."""
+        """Derivatives of the traction on the plus side (..., n_point, 3, n_parameter)."""
         return self._along_tangents(self.shear_forces) / self.system.contact.weights[:, None, None]
 
     @property
     def slip(self) -> Matrix:
-        """Of the slip (..., n_point, 3, n_parameter)."""
+        """Derivatives of the slip (..., n_point, 3, n_parameter)."""
         return self._along_tangents(self.shear_slip)
 
     def contact_force(self, interface: str | None = None) -> Matrix:
@@ -113,7 +113,7 @@ class Derivatives(Frozen):
         return replace(self, parameters=(parameter,), **arrays)
 
     def within(self, limit: "Derivatives") -> "Derivatives":
-        """Return the derivatives with ranges within those of others by the same parameters."""
+        """Return the derivatives with ranges restricted to those of other derivatives."""
         return replace(
             self,
             lower=np.maximum(self.lower, limit.lower),
@@ -127,22 +127,22 @@ class Derivatives(Frozen):
 
 @dataclass(frozen=True, eq=False)
 class LinearIncrement:
-    """An increment about which the solution is linear.
+    """An increment with the linearized equations of its solution.
 
     Attributes
     ----------
     equations
-        Of the increment.
+        Equations of the increment.
     forces, slack : (3, n_point)
         x and z of (F1).
     tried : (3, n_point)
-        x − r z, whose projection x is.
+        x − r z, with the projection x.
     closed : (n_closed,)
-        Points in contact; the forces of the others stay zero.
+        Points in contact; the forces of all others stay zero.
     slope : (n_point, 3, 3)
         J.
     lu, pivots
-        Of the system (F6) between the points in contact.
+        Factors of the system (F6) between the points in contact.
     """
 
     equations: NaturalMap
@@ -155,7 +155,7 @@ class LinearIncrement:
     pivots: Indices
 
     def changes(self, dz: Matrix, friction: Matrix) -> Matrix:
-        """Solve (F6) for the changes of the forces (3, n_point, n_parameter)."""
+        """Return the changes of the forces (3, n_point, n_parameter) by (F6)."""
         closed, k, tried = self.closed, self.equations.contact.components, self.tried
         right = -np.einsum("pij,jpq->ipq", self.slope[closed], self.scaled(dz)[:, closed])
         size = np.hypot(tried[1], tried[2])[closed]
@@ -181,7 +181,7 @@ class LinearIncrement:
     def reach(self, rate: Matrix, friction: Matrix) -> tuple[Vector, Vector]:
         """Return changes of the parameters at which a first point changes its state.
 
-        Rates (3, n_point, n_parameter) are those of what is projected.
+        Rates (3, n_point, n_parameter) are those of the argument of the projection.
         """
         coefficients, tried = self.equations.contact.coefficients, self.tried
         rubbing = self.closed[coefficients[self.closed] > 0]
@@ -200,7 +200,7 @@ class LinearIncrement:
 
 
 def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[LinearIncrement]:
-    """Linearize every increment of a path, or a static solution.
+    """Yield the linearization of every increment of a path, or of a static solution.
 
     Raises
     ------
@@ -221,7 +221,7 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
         z = equations.moved(x) + closure + contact.free_slack(moved, slip)
         tried = x - equations.scale * z
         residual = np.abs(x - equations.laws.admissible(tried)).max()
-        # Far above SOLVED, to which increments are accepted.
+        # Far above SOLVED, the accuracy of increments.
         if residual > DECK_DIGITS * np.abs(x).max():
             refuse_model(
                 f"load {number + 1} on the path is not one increment from the state before it: "
@@ -237,7 +237,7 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
 def _factors(
     equations: NaturalMap, slope: Matrix, compliance: Matrix, closed: Indices
 ) -> tuple[Matrix, Indices]:
-    """Factorize I − J + J r H between the points in contact, component by component."""
+    """Return factors of I − J + J r H between the points in contact, component by component."""
     n, k = equations.contact.n_points, equations.contact.components
     size, count = k * len(closed), len(closed)
     rows = (np.arange(k)[:, None] * n + closed).ravel()

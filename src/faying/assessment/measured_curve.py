@@ -1,4 +1,4 @@
-"""What a test measured of a mode over amplitude, beside the backbone that was computed."""
+"""Measurements of a mode over amplitude, for comparison with its computed backbone."""
 
 from dataclasses import dataclass
 
@@ -16,19 +16,19 @@ class MeasuredCurve(Frozen):
     Attributes
     ----------
     name
-        What it is called.
+        Name of the curve.
     case
-        Load case whose backbone it stands beside.
+        Load case of the backbone to compare with.
     mode
         Number of the mode, from 1.
     amplitude : (n,) [length]
-        Rising, where the backbone measures it.
+        In ascending order, at the same place as that of the backbone.
     frequency : (n,) [1/time]
         Cyclic; None where it was not measured.
     damping_ratio : (n,) [1]
-        Of everything that damps; None where it was not measured.
+        Total damping ratio; None where it was not measured.
     frequency_scatter, damping_scatter : [1]
-        Standard deviation of a measurement over its value; None where it is not known.
+        Standard deviation of a measurement over its value; None where unknown.
 
     Examples
     --------
@@ -54,14 +54,14 @@ class MeasuredCurve(Frozen):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Deviations:
-    """How far a backbone is from what was measured, at the amplitudes that it reaches.
+    """Deviations of a backbone from measurements, at the amplitudes that it reaches.
 
     Attributes
     ----------
     frequency, damping_ratio : (n,)
-        Computed at the measured amplitudes; NaN at those it does not reach.
+        Computed at the measured amplitudes; NaN at amplitudes that it does not reach.
     frequency_error, damping_error : (n,) [1]
-        Over what was measured; NaN there, and where it was not measured.
+        Relative to the measured values; NaN there, and where there is no measurement.
     """
 
     frequency: Vector
@@ -71,21 +71,21 @@ class Deviations:
 
 
 def at_amplitudes(computed: Backbone, amplitude: Vector, values: Vector) -> Vector:
-    """Interpolate values of a backbone linearly over the logarithm of its amplitudes, NaN beyond.
+    """Return values of a backbone interpolated over the logarithm of its amplitudes, NaN beyond.
 
     Values (n_computed,) are given at the computed amplitudes and returned at others (n,) [length].
     """
     order = np.argsort(computed.amplitude)
     reached, logarithm = np.log(computed.amplitude[order]), np.log(amplitude)
-    # The smallest and the largest amplitude count, whose last digits are round-off.
+    # Includes the smallest and the largest amplitude, which have round-off.
     within = (logarithm >= reached[0] - SOLVED) & (logarithm <= reached[-1] + SOLVED)
     return np.where(within, np.interp(logarithm, reached, values[order]), np.nan)
 
 
 def deviations(measured: MeasuredCurve, computed: Backbone) -> Deviations:
-    """Compare a measured curve with a backbone, between whose amplitudes it is interpolated.
+    """Return the deviations of a backbone, interpolated between its amplitudes, from measurements.
 
-    Linear over the logarithm of the amplitude: frequencies, and logarithms of damping ratios.
+    Frequencies and logarithms of damping ratios are linear over the logarithm of the amplitude.
     """
     amplitude = measured.amplitude
     frequency = at_amplitudes(computed, amplitude, computed.frequency)

@@ -1,10 +1,10 @@
-"""What the mesh does to the pressures of the full model, estimated without a finer one.
+"""The mesh error of pressures of the full model, estimated without a finer mesh.
 
-Pressures are averaged to the nodes, read again at the contact points, and the difference is taken
-for the error (Zienkiewicz and Zhu 1987, doi:10.1002/nme.1620240206, of stresses in bodies). That is
-an estimate and no bound: it sees how well the mesh resolves the pressure that it found, not what a
-body too stiff or too soft makes of the whole. How near it comes to a real refinement was measured,
-`docs/how-to/choose_the_mesh.md`.
+Pressures are averaged to the nodes and interpolated to the contact points, and the difference is
+taken for the error (Zienkiewicz and Zhu 1987, doi:10.1002/nme.1620240206, for stresses in bodies).
+This is an estimate and no bound: it measures how well the mesh resolves the computed pressure, not
+the effect of a wrong stiffness of the bodies. Its ratio to the change by a real refinement was
+measured, `docs/how-to/choose_the_mesh.md`.
 """
 
 from collections.abc import Mapping
@@ -26,9 +26,9 @@ class MeshError:
     Attributes
     ----------
     field : [1]
-        Root mean square over the area under pressure, over the peak.
+        Root mean square over the area under pressure, relative to the peak.
     largest : [1]
-        Largest at a contact point, usually where contact ends, over the peak.
+        Largest at a contact point, usually at the edge of contact, relative to the peak.
     """
 
     field: float
@@ -36,20 +36,20 @@ class MeshError:
 
 
 def mesh_error(model: Model, solution: Compared) -> dict[str, MeshError]:
-    """Estimate what the mesh does to the pressures of a solution.
+    """Return an estimate of the mesh error of the pressures of a solution.
 
     Parameters
     ----------
     model
-        The full model, whose facets are averaged over.
+        The full model, with the facets for averages.
     solution
-        Of the full or a reduced model. Of several load cases or instants the one counts in which
-        an interface has its largest pressure.
+        Solution of the full or a reduced model. For each interface the load case or instant of its
+        largest pressure is taken.
 
     Returns
     -------
     dict
-        By interface; those without pressure are absent.
+        By interface; interfaces without pressure are absent.
 
     Raises
     ------
@@ -58,10 +58,10 @@ def mesh_error(model: Model, solution: Compared) -> dict[str, MeshError]:
 
     Notes
     -----
-    A few products with sparse matrices. The estimate was 0.3 to 1.5 times what refinement showed on
-    joints with edges, and up to twelve times where Gauss points of a smooth contact do better than
-    the mesh between them. Nothing is told of the peak alone: at a sharp edge it grows with every
-    refinement, and elsewhere such an estimate was 0.15 to 550 times the truth.
+    A few products with sparse matrices. The estimate was 0.3 to 1.5 times the change by refinement
+    on joints with edges, and up to twelve times where Gauss points of a smooth contact are more
+    accurate than the mesh between them. There is no estimate for the peak alone: at a sharp edge it
+    grows with every refinement, and elsewhere such an estimate was 0.15 to 550 times the truth.
 
     Examples
     --------
@@ -75,7 +75,7 @@ def mesh_error(model: Model, solution: Compared) -> dict[str, MeshError]:
 
 
 def smoothings(model: Model) -> dict[str, Smoothing]:
-    """Return what :func:`mesh_errors` needs of a model, once for any number of solutions."""
+    """Return the smoothings of a model for :func:`mesh_errors` of any number of solutions."""
     nodes = model.assembly.mesh.nodes
     return {name: Smoothing.of(interface, nodes) for name, interface in model.interfaces.items()}
 
@@ -83,7 +83,7 @@ def smoothings(model: Model) -> dict[str, Smoothing]:
 def mesh_errors(
     smooth: Mapping[str, Smoothing], model: Model, pressure: Matrix
 ) -> dict[str, MeshError]:
-    """Estimate the errors of pressures (..., n_point), as :func:`mesh_error`."""
+    """Return estimated errors of pressures (..., n_point), as :func:`mesh_error`."""
     if np.shape(pressure)[-1] != model.contact.n_points:
         refuse_model(
             f"the solution has {np.shape(pressure)[-1]} contact points, the model "
@@ -100,7 +100,7 @@ def mesh_errors(
 
 
 def _estimate(smoothing: Smoothing, weights: Vector, pressure: Vector) -> MeshError:
-    """Return the estimate of one field (n_point,) that is not zero."""
+    """Return the estimate for one field (n_point,) that is not zero."""
     peak = float(pressure.max())
     error = np.abs(pressure - smoothing.smoothed(pressure)) / peak
     pressed = float(weights[pressure > 0].sum())

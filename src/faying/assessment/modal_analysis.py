@@ -1,13 +1,13 @@
-"""Quasi-static modal analysis: a preloaded joint is loaded in the shape of one of its modes.
+"""Quasi-static modal analysis: a preloaded joint under a load in the shape of one of its modes.
 
 The load is α M φ with the mode φ of small vibrations, in which every closed point sticks. With
 q = φᵀ M (u − u₀), full cycles ±α give
 
     ω²(α) = α / q,    ζ(α) = D(α) / (2 π α q),                                                (F5)
 
-with D the energy that friction takes in a repeating cycle, else the area of the loop of load and
-displacement, and q half of what it goes through (Festjens,
-Chevallier & Dion 2013 and Lacayo & Allen 2019).
+with D the energy dissipated by friction in a repeating cycle, else the area of the loop of load and
+displacement, and q half the peak-to-peak value (Festjens, Chevallier & Dion 2013 and Lacayo & Allen
+2019).
 """
 
 from collections.abc import Callable, Sequence
@@ -40,22 +40,22 @@ from faying.units import units_of
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalAnalysis:
-    """What the amplitudes of a backbone share; each is computed alone, whatever was before it.
+    """The common data of the amplitudes of a backbone, each of which is computed independently.
 
     Attributes
     ----------
     mode
         Number of the mode, from 1.
     levels : (n,)
-        Amplitudes or energies, as they were given.
+        Given amplitudes or energies.
     over
-        Which of the two, ``"amplitude"`` or ``"energy"``.
+        Kind of the levels, ``"amplitude"`` or ``"energy"``.
     increments
-        Of a cycle; even.
+        Number of increments of a cycle, even.
     shape
         The mode of small vibrations.
     measure
-        Where the amplitude is measured.
+        Place of the measured amplitude.
     swing
         The preloaded joint under the load.
     """
@@ -83,7 +83,7 @@ class ModalAnalysis:
             return self.swing.cycle(float(circular * swung), self.increments // 2)
 
     def backbone(self, rows: Sequence[ModalCycle], *, masing: bool = False) -> Backbone:
-        """Return the backbone of the cycles of all levels."""
+        """Return the backbone from the cycles of all levels."""
 
         def column(name: str) -> Vector:
             return np.array([getattr(row, name) for row in rows])
@@ -91,11 +91,11 @@ class ModalAnalysis:
         system, load, modal = self.swing.system, column("load"), column("modal")
         energy, first = column("energy"), column("first_modal")
         circular = np.sqrt(load / modal)
-        # A cycle that does not repeat settles besides, by energy that the vibration does not lose.
+        # A cycle that does not repeat also settles, by energy that the vibration does not lose.
         dissipated = np.where(column("stationary"), energy, column("loop"))
         friction = dissipated / (2 * np.pi * load * modal)
         linear = float(self.shape.shape @ (system.C @ self.shape.shape)) / (2 * circular)
-        # Masing: both halves of a loop are its first loading, twice as large.
+        # Masing: both halves of a loop are the first loading, twice as large.
         lost = 8 * column("first_loop") - 4 * load * first
         return Backbone(
             units=system.units,
@@ -137,7 +137,7 @@ def backbone(
     masing: bool = False,
     progress: Callable[[int], object] | None = None,
 ) -> Backbone:
-    """Compute frequency and damping of a mode over its amplitude, by full cycles.
+    """Return frequency and damping of a mode over its amplitude, from full cycles.
 
     Parameters
     ----------
@@ -146,41 +146,41 @@ def backbone(
     mode
         Number of the mode of small vibrations about the preloaded joint, from 1.
     amplitudes : (n,) [length]
-        Displacements to reach where the amplitude is measured, if nothing slipped; where it
-        slips the joint moves farther, and ``amplitude`` of the result says how far.
+        Displacements at the measured place of the joint without slip; slip increases them, and
+        ``amplitude`` of the result has the final values.
     over
-        ``"energy"``: ``amplitudes`` are energies of the vibration [force·length], α²/2ω² if nothing
-        slipped; ``energy`` of the result is what they became.
+        ``"energy"``: ``amplitudes`` are energies of the vibration [force·length], α²/2ω² without
+        slip; ``energy`` of the result has the final values.
     at
-        A boundary, whose translation is meant, or one of its components as ``"tip.rx"``
-        (amplitudes are angles then). By default the boundary that the mode moves most. The first
-        loading, all that Masing's rule knows, moves it to its positive side, by the first component
-        that moves half as far as the most; ``"-tip.uz"`` to the other.
+        A boundary, for its translation, or one of its components as ``"tip.rx"`` (amplitudes are
+        then angles). By default the boundary that the mode moves most. The first loading, on which
+        Masing's rule is based, moves it to the positive side of the first component that moves half
+        as far as the largest; ``"-tip.uz"`` to the negative side.
     initial
         State to vibrate about, the last one of a path; by default the bolts are tightened with
         friction in one increment.
     increments
-        Of a cycle; even.
+        Number of increments of a cycle, even.
     masing
-        Give the result of Masing's rule too. It follows from the first quarter, and is wrong
-        wherever normal forces change during a cycle.
+        Whether to compute the result of Masing's rule too. It follows from the first quarter, and
+        is wrong if normal forces change during a cycle.
     progress
         Called with 1 after each amplitude.
 
     Raises
     ------
     ModelError
-        If nothing rubs, a number is out of range, or the mode does not move what should measure it.
+        Without friction, if a number is out of range, or the measured place does not move.
     ConvergenceError
         If an increment is not solved; the message names amplitude and load.
 
     Notes
     -----
-    Each amplitude starts from the preloaded joint, in a quarter of ``increments``, then full cycles
+    Each amplitude starts from the preloaded joint, in a quarter of ``increments``. Full cycles
     follow until they repeat, each from the amplitude to its opposite and back. An increment is a
-    few Newton steps between pairs; no displacements but those asked for are computed. Cycles repeat
-    where friction takes the same twice, to a thousandth, or where its work on what the first one
-    leaves slipped is less.
+    few Newton steps between pairs; only the requested displacements are computed. Cycles repeat if
+    the dissipation is the same twice, to a thousandth, or if the work of friction on the change of
+    slip over a cycle is less than that.
 
     Examples
     --------
@@ -219,12 +219,12 @@ def modal_analysis(
     initial: Solution | None = None,
     increments: int = 50,
 ) -> ModalAnalysis:
-    """Prepare what :func:`backbone` computes, which has the same parameters.
+    """Return the prepared analysis of :func:`backbone`, which has the same parameters.
 
     Raises
     ------
     ModelError
-        If nothing rubs, a number is out of range, or the mode does not move what should measure it.
+        Without friction, if a number is out of range, or the measured place does not move.
     """
     levels = _checked(system, mode, amplitudes, increments, over)
     preloaded = solve_path(system, [Load()]) if initial is None else initial

@@ -1,4 +1,4 @@
-"""Cycles of a preloaded joint in the shape of one of its modes, seen through its contact."""
+"""Cycles of a preloaded joint in the shape of one of its modes, condensed to its contact."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from faying.simulation.solution import Solution
 
 
 class StillModeError(ModelError):
-    """A mode leaves the place still where its amplitude should be measured."""
+    """A mode does not move the place at which its amplitude is to be measured."""
 
 
 MULTIPLES, SAMPLES = (2, 3, 4, 5), 256
@@ -31,7 +31,7 @@ RESONANCE_WIDTH = 0.5
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Measure:
-    """Where amplitudes are measured.
+    """Place and direction of measured amplitudes.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Measure:
     rows : (n_boundary,)
         Direction of the mode there, over the boundary degrees of freedom of all boundaries.
     unit : [length]
-        How far the mode moves along it.
+        Displacement of the mode along it.
     """
 
     name: str
@@ -48,11 +48,11 @@ class Measure:
 
 
 def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[StuckMode, Measure]:
-    """Return a mode with the sign that it has where it is measured, and the direction there.
+    """Return a mode with the right sign, and the direction in which it is measured.
 
-    An eigensolver leaves the sign open. The mode moves that place towards its positive side, by
-    the first component that moves at least half as far as the one that moves most; with a minus
-    before the name, as in ``"-tip.uz"``, to the other.
+    An eigensolver returns either sign. With the right one, the mode moves the measured place
+    towards its positive side, by the first component that moves at least half as far as the
+    largest; with a minus before the name, as in ``"-tip.uz"``, to the negative side.
     """
     side, name, component = boundary_and_component(measured_at or "")
     if measured_at is not None:
@@ -87,13 +87,13 @@ def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[
 
 
 def boundary_and_component(measured_at: str) -> tuple[float, str, str]:
-    """Return the side of a place where amplitudes are measured, its boundary and component."""
+    """Return the sign, boundary and component of a place of measured amplitudes."""
     name, _, component = measured_at.removeprefix("-").partition(".")
     return -1.0 if measured_at.startswith("-") else 1.0, name, component
 
 
 def _direction(system: System, name: str, components: Sequence[int], shape: Vector) -> Vector:
-    """Return what a mode moves the node of a boundary that it moves most (n_boundary_dof,)."""
+    """Return the displacement of the most moved node of a boundary (n_boundary_dof,)."""
     boundary = system.boundaries[name]
     moved = np.where(np.isin(boundary.components, components), shape[boundary.dofs], 0.0)
     nodes = np.unique(boundary.nodes)
@@ -108,7 +108,7 @@ def _first(sizes: Vector, share: float) -> int:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Neighbours:
-    """Other modes that a multiple of the frequency may meet, as a mode's inertia moves them.
+    """Other modes that a multiple of the frequency may meet, and their quasi-static motion.
 
     Attributes
     ----------
@@ -118,9 +118,9 @@ class Neighbours:
     damping : (n,) [1]
         ζ of the damping matrix.
     moved : (n_relative, n) [length]
-        What M φ of each alone moves the pairs.
+        Displacements of the pairs under M φ of each mode alone.
     own : (n,)
-        What M φ of the mode that is loaded alone moves of each.
+        Modal coordinate of each under M φ of the loaded mode alone.
     """
 
     modes: Indices
@@ -131,7 +131,7 @@ class Neighbours:
 
     @classmethod
     def of(cls, system: System, state: Solution, mode: StuckMode, number: int) -> Self:
-        """Return the other modes up to the highest multiple of the frequency of a mode."""
+        """Return the other modes up to the highest multiple of the frequency of the given mode."""
         every = stuck_modes(system, state, 1.1 * MULTIPLES[-1] * mode.frequency, number)
         others = np.arange(len(every.frequencies)) != number - 1
         shapes = every.shapes[:, others]
@@ -147,10 +147,10 @@ class Neighbours:
         )
 
     def swung(self, cycle: Matrix, factors: Vector, circular: float, lowest: float) -> Matrix:
-        """Return how far each swings in each multiple of a frequency that meets it (n_multiple, n).
+        """Return amplitudes (n_multiple, n) in each multiple of a frequency that meets a mode.
 
-        The cycle (n_step, n) is how far each goes quasi-statically, while the load has the factors
-        cos θ (n_step,), down and up again. Each has the lowest damping ratio at least.
+        ``cycle`` (n_step, n) are quasi-static modal coordinates, while the load has the factors cos
+        θ (n_step,), down and up again. ``lowest`` is the least damping ratio of each mode.
         """
         turn = np.arccos(np.clip(factors, -1.0, 1.0))
         half = len(turn) // 2
@@ -168,7 +168,7 @@ class Neighbours:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalCycle:
-    """What one amplitude gave; of ``met`` see :meth:`Swing.met`."""
+    """Result at one amplitude; for ``met`` see :meth:`Swing.met`."""
 
     load: float
     modal: float
@@ -189,18 +189,18 @@ class ModalCycle:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Swing:
-    """The preloaded joint under α M φ, seen through its contact and what is measured.
+    """The preloaded joint under α M φ, condensed to its contact and the measured displacement.
 
     Attributes
     ----------
     start
         The preloaded joint.
     solver
-        What solves its increments.
+        Solver of its increments.
     moved : (n_relative,) [length]
-        What M φ alone moves the pairs.
+        Displacements of the pairs under M φ alone.
     own, own_at
-        What M φ alone moves of q, and of the measured displacement.
+        q and the measured displacement under M φ alone.
     at : (n_relative,) [length/force]
         Measured displacement per force between the pairs.
     neighbours
@@ -226,7 +226,7 @@ class Swing:
         measure: Measure,
         neighbours: Neighbours,
     ) -> Self:
-        """Solve for the static response of the bare structure to the load."""
+        """Return the swing from the static response of the bare structure to the load."""
         force = np.asarray(system.M @ mode.shape)
         answer = system.factorize_static().solve(force)
         ports = system.port_compliance
@@ -248,8 +248,8 @@ class Swing:
     def met(self, steps: Sequence[PathStep], loads: Vector, swing: float) -> Matrix:
         """Return velocities of other modes in multiples of the frequency (n_multiple, n).
 
-        Over that of the mode; what friction and gaps do to them along the cycle, with their inertia
-        as if they did not act back, and damped at least as the cycle is.
+        They are relative to the velocity of the mode, and due to friction and gaps along the cycle.
+        Other modes have inertia and at least the damping of the cycle, but do not react on it.
         """
         others = self.neighbours
         along = np.outer(loads, others.own) + self._pairs(steps) @ others.moved
@@ -260,7 +260,7 @@ class Swing:
         return np.asarray(np.array(MULTIPLES)[:, None] * far / swing)
 
     def cycle(self, load: float, half: int) -> ModalCycle:
-        """Load once, then go to and fro until cycles repeat, each half in so many increments."""
+        """Return the repeating cycle under a load, with ``half`` increments each way."""
         rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
         down = 1 - 2 * np.arange(1, half + 1) / half
 
@@ -295,7 +295,7 @@ class Swing:
         )
 
     def _pairs(self, steps: Sequence[PathStep]) -> Matrix:
-        """Return how the forces between pairs changed since the preload (n_step, n_relative)."""
+        """Return changes of the forces between pairs since the preload (n_step, n_relative)."""
         forces = np.array([step.increment.forces - self.start.increment.forces for step in steps])
         return self.system.contact.at_pairs(forces[:, 0], forces[:, 1:]).T
 
@@ -308,7 +308,7 @@ class Swing:
         return np.asarray(self.own_at * loads + self._pairs(steps) @ self.at)
 
     def sticking(self, step: PathStep) -> tuple[float, bool]:
-        """Return the share of the closed area that sticks, and whether an interface has none."""
+        """Return the sticking share of the closed area, and whether it is zero on an interface."""
         contact, forces = self.system.contact, step.increment.forces
         closed = (forces[0] > 0) & (contact.coefficients > 0)
         sticks = contact.sticking(forces[0], forces[1:])
@@ -321,7 +321,7 @@ class Swing:
 
 
 def _distance(steps: Sequence[PathStep]) -> Vector:
-    """Return how far each point (n_point,) slips along a cycle while it is pressed on [length]."""
+    """Return the slip distance of each point (n_point,) in a cycle under pressure [length]."""
     change = np.diff([step.slip for step in steps], axis=0)
     pressed = np.array([step.increment.forces[0] > 0 for step in steps[1:]])
     return np.asarray((np.hypot(change[:, 0], change[:, 1]) * pressed).sum(axis=0))

@@ -1,7 +1,7 @@
 """The equations of contact as one map of its forces, whose zeros are solutions.
 
-With x = (λ_n, λ_t) at the points, z = G S Gᵀ x + c(x) + z_free what they move besides what their
-law admits, and any r > 0 (Alart & Curnier 1991, doi:10.1016/0045-7825(91)90022-X),
+With x = (λ_n, λ_t) at the points, their displacements z = G S Gᵀ x + c(x) + z_free, closure of the
+law included, and any r > 0 (Alart & Curnier 1991, doi:10.1016/0045-7825(91)90022-X),
 
     F(x) = x − admissible(x − r z) = 0,                                                       (F1)
 
@@ -23,7 +23,7 @@ from faying.joint.system import Joint
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NaturalMap:
-    """What (F1) asks of a joint.
+    """The equations (F1) of a joint.
 
     Attributes
     ----------
@@ -42,14 +42,14 @@ class NaturalMap:
         Raises
         ------
         ModelError
-            If its compliance holds NaN or infinity, or has no room.
+            If its compliance holds NaN or infinity, or exceeds the memory for it.
         """
         S = joint.static_contact.between.compliance
         return cls(contact=joint.contact, S=check_flexibility(S))
 
     @cached_property
     def laws(self) -> LawsAtPoints:
-        """What the points admit and yield."""
+        """Contact laws at the points."""
         return LawsAtPoints(contact=self.contact)
 
     @cached_property
@@ -61,18 +61,18 @@ class NaturalMap:
 
     @cached_property
     def transposed(self) -> SparseMatrix:
-        """Gᵀ, which takes forces at the points to the pairs."""
+        """Gᵀ, which maps forces at the points to the pairs."""
         return read_only(self.G.T.tocsr())
 
     def moved(self, forces: Matrix) -> Matrix:
-        """Return G S Gᵀ x (3, n_point, ...) of forces (3, n_point, ...)."""
+        """Return G S Gᵀ x (3, n_point, ...) for forces x (3, n_point, ...)."""
         columns = forces.reshape(3 * self.contact.n_points, -1)
         moved = self.G @ (self.S @ (self.transposed @ columns))
         return np.asarray(moved.reshape(forces.shape))
 
     @cached_property
     def yields(self) -> Matrix:
-        """What the laws yield per force, to the first of it (3, n_point) [length/force]."""
+        """Compliance c′(0) of the laws (3, n_point) [length/force]."""
         return self.laws.closure(np.zeros((3, self.contact.n_points)))[1]
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Load factors at which a joint opens: where too little is left of what the preload presses."""
+"""Load factors at which a joint opens: too little of the area under preload pressure remains."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -30,10 +30,10 @@ class Openings:
     Attributes
     ----------
     opened
-        Area (:func:`areas_that_open`) to the factor from which less than a share of what the
-        preload presses there is still pressed.
+        Area (:func:`areas_that_open`) to the factor from which less than a share of its part under
+        preload pressure is still under pressure.
     followed
-        Factor up to which the load was followed.
+        Largest factor of the load path.
     """
 
     opened: Mapping[str, float]
@@ -41,7 +41,7 @@ class Openings:
 
 
 def area_name(interface: str, bolt: str = "") -> str:
-    """Return what an interface, or its part nearest to a bolt, is called."""
+    """Return the name of an interface, or of its part nearest to a bolt."""
     return f"{interface} around {bolt}" if bolt else interface
 
 
@@ -50,7 +50,7 @@ def areas_that_open(
     slices: Mapping[str, slice],
     bolts: Mapping[str, Bolt],
 ) -> dict[str, Mask]:
-    """Return the points (n_point,) of every interface and, of several bolts, nearest to each."""
+    """Return the points (n_point,) of every interface and, for several bolts, nearest to each."""
     numbers = np.arange(max((points.stop for points in slices.values()), default=0))
     areas: dict[str, Mask] = {}
     for name, points in slices.items():
@@ -65,13 +65,13 @@ def areas_that_open(
 
 
 def pressed_shares(areas: Mapping[str, Mask], pressed: Mask, weights: Vector) -> dict[str, Vector]:
-    """Return the share of each point (n_point,) in what is pressed of an area at rest."""
+    """Return the share of each point (n_point,) in the area under pressure at rest."""
     shares = {name: np.where(points & pressed, weights, 0.0) for name, points in areas.items()}
     return {name: share / share.sum() for name, share in shares.items() if share.sum() > 0}
 
 
 def growing_displacements(system: Joint, inputs: Vector) -> tuple[Vector, Vector]:
-    """Return what pairs (n_relative,) move without contact, at rest and per load factor.
+    """Return displacements of the pairs (n_relative,) without contact, at rest and per load factor.
 
     The bolts stay locked.
     """
@@ -91,7 +91,7 @@ def opening_factors(
     *,
     open_below: float = OPEN_BELOW,
 ) -> Openings:
-    """Find the factors at which a joint without friction opens under a static load.
+    """Return the factors at which a joint without friction opens under a static load.
 
     An area of points (n_point,) opens where less than a share of what is pressed at rest is left: 0
     is nothing, 1 all. The search ends at :data:`~faying.assessment.growth.LARGEST_FACTOR`.
@@ -99,15 +99,15 @@ def opening_factors(
     Raises
     ------
     ModelError
-        If the joint remembers slip or closure.
+        If slip or closure has a history.
     ConvergenceError
         If a trial in an increment is not solved.
 
     Notes
     -----
-    In ten increments to the nominal load and of a tenth from there on. How deep points are
-    pressed depends continuously on the load, which leads to the factor at which an area opens
-    within an increment. What opens and closes again between two increments is missed.
+    In ten increments to the nominal load and of a tenth from there on. The depth of contact points
+    depends continuously on the load, which leads to the factor at which an area opens within an
+    increment. Areas that open and close again between two increments are missed.
     """
     contact, solver = system.contact, system.static_contact.increments
     contact.check_cases()
@@ -142,10 +142,10 @@ def opening_margins(
     *,
     open_below: float = OPEN_BELOW,
 ) -> Vector:
-    """Return how deep the area nearest to opening is pressed at a factor of each load (n_case,).
+    """Return the depth of contact of the most critical area at a factor of each load (n_case,).
 
-    Negative where an area is open [length]: one contact solution a load, where
-    :func:`opening_factors` takes some thirty. Inputs are (n_case, n_input).
+    Negative where an area is open [length]: one contact solution a load, instead of some thirty in
+    :func:`opening_factors`. Inputs are (n_case, n_input).
     """
     contact, margins = system.contact, np.full(len(inputs), np.inf)
     solver, offset = system.static_contact.increments, contact.offset()
@@ -167,10 +167,10 @@ def opening_margins(
 def estimated_openings(
     rest: Solution, cases: Solution, areas: Mapping[str, Mask], open_below: float
 ) -> Matrix:
-    """Return the factors at which loads would open areas (n_case, n_area), were contact linear.
+    """Return the factors at which loads would open areas (n_case, n_area), if contact were linear.
 
-    Every point loses what presses it at rest in proportion to the load: depth, of hard contact
-    pressure. What is infinite never opens. ``rest`` is before any load, at its last state.
+    The depth of every point, or the pressure of hard contact, falls in proportion to the load.
+    Infinite factors never open the area. ``rest`` is before any load, at its last state.
     """
     contact = cases.system.contact
     hard = np.zeros(contact.n_points, dtype=bool)
@@ -198,17 +198,17 @@ def estimated_openings(
 
 
 def _pressed_at(depth: Vector, shares: Vector, least: float) -> float:
-    """Return how deep the share of an area that must not open is pressed at least."""
+    """Return the least depth over the share of an area that must not open."""
     points = np.flatnonzero(shares)
     order = points[np.argsort(-depth[points])]
     return float(depth[order[np.searchsorted(np.cumsum(shares[order]), least)]])
 
 
 def pressed_depth(contact: Contact, gap: Vector, touching: float = 0.0) -> Vector:
-    """Return how deep points (n_point,) are pressed, negative where they are apart [length].
+    """Return the depth of contact of points (n_point,), negative where they are apart [length].
 
     Gaps are negative by the penetration where contact yields; points of hard contact count as
-    pressed where their gap is below ``touching``.
+    closed where their gap is below ``touching``.
     """
     depth = -gap
     for law, points in zip(contact.laws.values(), contact.slices.values(), strict=True):
@@ -217,14 +217,14 @@ def pressed_depth(contact: Contact, gap: Vector, touching: float = 0.0) -> Vecto
 
 
 def enough(share: float) -> float:
-    """Return the share below which an area is open, less round-off."""
+    """Return the share below which an area is open, with a margin for round-off."""
     return max(share - SOLVED, SOLVED)
 
 
 def opening_event(
     pressed: Callable[[State], Vector], shares: Vector, open_below: float
 ) -> Event[State]:
-    """Return how deep the share of an area that must not open is pressed at least.
+    """Return an event: the least depth over the share of an area that must not open.
 
     The depth of all points comes from :func:`pressed_depth`, their shares (n_point,) from
     :func:`pressed_shares`, the share that may open from :func:`enough`.

@@ -1,4 +1,4 @@
-"""A number that is known by its range alone, and where in the range trials lie."""
+"""A parameter known by its range, and trial values in the range."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from faying.iterations import MOST_SOLVED
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """A number between two others; by its logarithm where both are positive.
+    """A parameter with a range, on a logarithmic scale if both ends are positive.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class Parameter:
     low, high
         Ends of the range.
     start
-        Where a search begins; None is the middle.
+        Start of a search; None is the middle.
 
     Examples
     --------
@@ -52,7 +52,7 @@ class Parameter:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether shares of the range are shares of its logarithm."""
+        """Whether the range has a logarithmic scale."""
         return self.low > 0
 
     def value(self, share: float) -> float:
@@ -81,7 +81,7 @@ def design(
     kind: Literal["corners", "quasi-random"] = "corners",
     samples: int = 32,
 ) -> tuple[Mapping[str, float], ...]:
-    """Return at which values of parameters something is computed.
+    """Return the values of parameters at which to compute.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def design(
         ``"corners"``: the middle of the ranges and all their corners; or ``"quasi-random"``: the
         points of Halton's sequence, the same in every call.
     samples
-        Points of that sequence.
+        Number of points of that sequence.
 
     Raises
     ------
@@ -115,6 +115,6 @@ def design(
     if kind == "corners":
         shares = np.array([[0.5] * n, *product((0.0, 1.0), repeat=n)])
     else:
-        # Its first point is a corner of the ranges, and no sample of what lies in them.
+        # Without the first point of the sequence, which is a corner of the ranges.
         shares = qmc.Halton(n, scramble=False).random(samples + 1)[1:]
     return tuple(values_at(parameters, point) for point in shares)

@@ -1,4 +1,4 @@
-"""What scatter of the preloads does: the metrics of a load case over many tightenings."""
+"""The effect of scatter of the preloads: metrics of a load case over many tightenings."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -24,23 +24,23 @@ QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
 
 @dataclass(frozen=True, kw_only=True)
 class PreloadScatter:
-    """How far preloads differ from what was meant.
+    """Scatter of preloads about their nominal values.
 
     Attributes
     ----------
     tightening_factor
-        α_A, largest over smallest preload of one bolt (VDI 2230); their mean is what was meant, and
-        between them any is as likely as any other, for each bolt on its own. Tables of α_A hold the
-        scatter of friction already: beside ``thread_friction`` it is of the torque alone.
+        α_A, largest over smallest preload of one bolt (VDI 2230), with a uniform distribution
+        between them about the nominal preload, independent for each bolt. Tables of α_A include
+        the scatter of friction; with ``thread_friction`` it is that of the torque alone.
     settlement : [length]
-        f_Z, by which every bolt is shorter afterwards, because surfaces flatten.
+        f_Z, by which every bolt is shorter after embedding of the surfaces.
     thread_friction, head_friction
         Smallest and largest μ_G in the threads and μ_K under the heads, together: every bolt is
-        tightened by the torque that gives the preload that was meant at the middle of both.
+        tightened with the torque of the nominal preload at the middle of both ranges.
     surface_friction
-        Smallest and largest μ of the interfaces that have friction, each on its own.
+        Smallest and largest μ of the interfaces with friction, independent for each.
     samples
-        Tightenings that are tried, the same ones at every call.
+        Number of tightenings, the same ones at every call.
 
     Examples
     --------
@@ -86,19 +86,19 @@ class Spread:
     case
         Load case.
     metric
-        What, as in ``clamp_force.joint``.
+        Name of the metric, as in ``clamp_force.joint``.
     dimension
         Dimension of the values in words, as ``force/length²``.
     meant
-        At the preloads that were meant, without settlement.
+        Value at the nominal preloads, without settlement.
     least
         Smallest value.
     p05
-        Value that 5 % of the tightenings stay below.
+        5th percentile over the tightenings.
     median
-        Value that half of them stay below.
+        Median.
     p95
-        Value that 95 % of them stay below.
+        95th percentile.
     most
         Largest value.
     """
@@ -123,22 +123,22 @@ def preload_spreads(
 ) -> tuple[Spread, ...]:
     """Return the metrics of a static load case over scattered preloads.
 
-    Of a history the time zero counts. Threads of bolts tell what friction in thread and head does
-    to a torque.
+    Histories are taken at time zero. Threads of bolts give the preload of a torque with scattered
+    friction in thread and head.
 
     Raises
     ------
     ModelError
-        If the load does not fit, there is no bolt, or what scatters is not there.
+        If the load does not fit, there is no bolt, or a scattered quantity does not exist.
     ConvergenceError
         If a tightening is not solved, with friction.
 
     Notes
     -----
     A static solution for each tightening; with friction at an interface a path, in which all
-    bolts are tightened together and the load then grows, and what has slipped is told too. The
-    initial force N₀ of a bolt is multiplied and lowered by its stiffness times the settlement; its
-    final force follows in proportion where nothing but the bolts loads the joint and gaps are zero.
+    bolts are tightened together before the load grows, with metrics of slip too. The initial force
+    N₀ of a bolt is multiplied, and lowered by its stiffness times the settlement; its final force
+    is proportional to this where the bolts are the only load and gaps are zero.
     """
     if not system.bolts:
         refuse_model("the model has no bolt that could scatter; leave that out")
@@ -172,7 +172,7 @@ def preload_spreads(
 def _joints(
     system: Model | ReducedModel, inputs: Matrix, scatter: PreloadScatter, rng: np.random.Generator
 ) -> Iterator[tuple[Model | ReducedModel, Matrix]]:
-    """Yield joints and their inputs (n, n_input): as it is, and each with friction of its own."""
+    """Yield joints with inputs (n, n_input): the given one, or one for each friction sample."""
     if scatter.surface_friction is None:
         yield system, inputs
         return
@@ -184,7 +184,7 @@ def _joints(
 
 
 def _way(system: System, row: Vector) -> Matrix:
-    """Return inputs (n_load, n_input): the bolts tightened, then the load in equal increments."""
+    """Return inputs (n_load, n_input) of a path: tightening, then the load in equal increments."""
     load, count = InputRow(name="", row=row), DEFAULT_INCREMENTS
     return path_inputs(system, [load.scaled(step / count) for step in range(count + 1)])
 
@@ -217,7 +217,7 @@ def _tightened(
     factors = 2 * (1 + (factor - 1) * shares) / (1 + factor)
     if scatter.thread_friction is not None and scatter.head_friction is not None:
         ranges = (scatter.thread_friction, scatter.head_friction)
-        # What is meant first, the middle of both, then what is drawn.
+        # The nominal values first, the middle of both ranges, then the samples.
         middle = np.full((1, shares.shape[1]), 0.5)
         drawn = [
             _within(limits, np.vstack([middle, _shares(rng, *shares.shape)])) for limits in ranges
@@ -233,7 +233,7 @@ def _tightened(
 
 
 def _torque(bolt: str, threads: Mapping[str, Thread], in_thread: Vector, at_head: Vector) -> Vector:
-    """Return the torque that a bolt takes per preload [length]."""
+    """Return the tightening torque of a bolt per preload [length]."""
     if bolt not in threads:
         refuse_model(f"bolt '{bolt}' has no thread, whose friction could scatter; give it")
     with naming(f"bolt '{bolt}'"):
@@ -241,9 +241,9 @@ def _torque(bolt: str, threads: Mapping[str, Thread], in_thread: Vector, at_head
 
 
 def _shares(rng: np.random.Generator, count: int, columns: int) -> Matrix:
-    """Return places in a range (count, columns), of each column one in every equal part of it.
+    """Return positions in a range (count, columns), one in every equal part of it in each column.
 
-    The quantiles of one bolt are then those that are meant.
+    The quantiles of each bolt are then exact (Latin hypercube).
     """
     order = rng.permuted(np.tile(np.arange(count), (columns, 1)), axis=1)
     return (order.T + rng.random((count, columns))) / count

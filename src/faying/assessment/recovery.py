@@ -1,14 +1,14 @@
-"""Pressure recovery: trustworthy contact pressures from any reduced trajectory, (R5).
+"""Pressure recovery: accurate contact pressures from any reduced trajectory, (R5).
 
-A reduced trajectory is poor in pressure because its few trial vectors must carry the contact. Its
-inertia and damping forces are good all the same, as they are spread over the whole structure.
-Recovery takes only those from it and solves, at each instant, the static contact problem of the
-full model:
+Pressures of a reduced trajectory are inaccurate because few trial vectors have to represent the
+contact. Its inertia and damping forces are accurate, as they are spread over the whole structure.
+Recovery takes only these and solves, at each instant, the static contact problem of the full
+model:
 
     g_free = g₀ + G K⁻¹ (f − M Φ q̈ − C Φ q̇),   s = (S + D) λ + g_free ≥ 0,  λ ≥ 0,  λᵀ s = 0.
 
 It is the mode-acceleration method of structural dynamics with contact. ``docs/theory/recovery.md``
-derives it and says what limits it.
+derives it and states its limits.
 """
 
 from collections.abc import Sequence
@@ -56,16 +56,16 @@ class Recovered(ContactFields):
     name
         Name of the load.
     system
-        The full model, or what is known of it at its ports.
+        The full model, or its part at the ports.
     contact_forces : (..., n_point) [force]
         λ = w ∘ p.
     gap : (..., n_point) [length]
     port_displacements : (..., n_port) [length]
-        Relative displacements of the pairs, boundary displacements, bolt elongations, and what
-        load patterns do work on.
+        Relative displacements of the pairs, boundary displacements, bolt elongations, and
+        displacements on which load patterns do work.
     inputs : (..., n_input) [force]
     iterations : (...)
-        Linear systems each contact problem took.
+        Linear systems solved in each contact problem.
     times : (n_time,) or None
     shear_forces : (..., n_tangent, n_point) [force]
         Tangential components of the contact forces: two where some interface has friction, or none.
@@ -123,14 +123,14 @@ def recover_pressure(
     Parameters
     ----------
     model
-        The full model; its contact law counts, that of the solution does not. Or the reduced model
-        that was solved, which knows enough of the full one.
+        The full model, whose contact law is used instead of that of the solution; or the reduced
+        model that was solved, which has the necessary data of the full one.
     solution
-        Of a reduced model with any basis, or of the full model (which gives itself back).
+        Solution of a reduced model with any basis, or of the full model (which is returned).
     instants
-        Indices of the instants or cases wanted; all unless given.
+        Indices of instants or cases; by default all.
     operator
-        Result of :func:`recovery_operator` where it is known already.
+        Result of :func:`recovery_operator` if it has been computed.
 
     Returns
     -------
@@ -152,9 +152,9 @@ def recover_pressure(
     Cost: one small matrix product for all instants and one warm contact problem each.
 
     With friction the contact problems are increments of a path, from instant to instant: pressures
-    and tractions at one depend on all before it, so that these are solved too.
-    The first takes its slip from the solution. What a poor trajectory says of the way to an
-    instant stays in the slip there; recovery corrects forces, not the past.
+    and tractions at one depend on all before it, so that these are solved too. The first takes its
+    slip from the solution. Errors of the trajectory before an instant stay in the slip there;
+    recovery corrects forces, not their history.
 
     Examples
     --------
@@ -183,7 +183,7 @@ def recover_pressure(
 
 
 def solve_cases_at_ports(joint: Joint, loads: Sequence[Load]) -> Recovered:
-    """Return the static solutions of a full model known at its ports; exact, as its own."""
+    """Return static solutions of a full model from its ports, exact up to round-off."""
     inputs = np.concatenate([load.inputs(joint, np.zeros(1)) for load in loads])
     free = static_displacements(joint.port_compliance, inputs)
     return solve_instants(joint, "cases", inputs, free, None)
@@ -196,7 +196,7 @@ def _free_from_reduced(
     solution: Solution,
     operator: Recovery | None,
 ) -> Matrix:
-    """Port displacements without contact forces, from a solution of a reduced model."""
+    """Return port displacements without contact, from a solution of a reduced model."""
     if solution.velocities is None:
         return static_displacements(joint.port_compliance, solution.inputs)
     matrices = _matrices(model, rom) if operator is None else operator
@@ -214,7 +214,7 @@ def _free_from_reduced(
 
 
 def _matrices(model: Model | ReducedModel, rom: ReducedModel) -> Recovery:
-    """Return the recovery matrices of a reduced model: its own, unless the structure changed."""
+    """Return the recovery matrices of a reduced model, or new ones if the structure changed."""
     if isinstance(model, ReducedModel):
         return model.recovery
     ports = rom.ports
@@ -225,7 +225,7 @@ def _matrices(model: Model | ReducedModel, rom: ReducedModel) -> Recovery:
 
 
 def _free_from_full(model: Model, solution: Solution) -> Matrix:
-    """Q (u − K⁻¹ Gᵀ λ): by balance, what the full model displaces without contact forces."""
+    """Return Q (u − K⁻¹ Gᵀ λ): by balance, port displacements of the full model without contact."""
     if solution.states.shape[-1] != model.structure.n_dof:
         refuse_model(
             f"the solution has {solution.states.shape[-1]} degrees of freedom but the model "
@@ -248,7 +248,7 @@ def balanced_accelerations(system: System, solution: Solution) -> Matrix:
     force = input_forces(system, solution.inputs) + contact
     elastic, damping, mass = (np.asarray(matrix) for matrix in (system.K, system.C, system.M))
     unbalanced = force - solution.states @ elastic - velocities @ damping
-    # Masses of coordinates differ by many orders; unscaled, the pseudoinverse mixes their errors.
+    # Scaled, because masses of coordinates differ by many orders of magnitude.
     diagonal = np.diag(mass)
     scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     scaled = np.linalg.lstsq(mass * scale[:, None] * scale, (unbalanced * scale).T, rcond=None)[0]
@@ -263,10 +263,9 @@ def solve_instants(
     times: Vector | None,
     begin: Solution | None = None,
 ) -> Recovered:
-    """Solve the static contact problem of every row, each from a similar one before it.
+    """Solve the static contact problem of every row, each starting from a similar one before it.
 
-    Of joints with friction the first state of ``begin`` has slipped already what the first row
-    begins with; by default nothing has.
+    With friction the first state of ``begin`` has the slip before the first row, by default none.
     """
     rows = np.atleast_2d(free)[:, : model.port_compliance.n_relative]
     index = 0 if free.ndim == 1 else slice(None)
@@ -288,7 +287,7 @@ def solve_instants(
 
 
 def _taken(recovered: Recovered, chosen: Indices) -> Recovered:
-    """Take some instants."""
+    """Return some instants."""
     members: dict[str, Any] = {
         name: value[chosen]
         for name, value in vars(recovered).items()
@@ -298,12 +297,12 @@ def _taken(recovered: Recovered, chosen: Indices) -> Recovered:
 
 
 def _contact_displacements(model: Joint, forces: Matrix, shear: Matrix | None) -> Matrix:
-    """Q K⁻¹ Gᵀ λ (..., n_port)."""
+    """Return Q K⁻¹ Gᵀ λ (..., n_port)."""
     return model.port_compliance.per_contact(model.contact.at_pairs(forces, shear).T)
 
 
 def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> ContactStates:
-    """Solve contact at every instant, each going on from where the one before left the joint.
+    """Solve contact at every instant, each starting from the state after the one before.
 
     Without contact forces pairs move by ``free`` (n_time, n_relative). The first state of ``begin``
     has the slip and the forces to begin with.

@@ -1,4 +1,4 @@
-"""What a joint must hold under every load case, and whether it does."""
+"""Requirements on a joint under every load case, and their verdicts."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -12,16 +12,16 @@ OPEN_BELOW = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedRing:
-    """A ring around a hole that must stay pressed, see :mod:`faying.assessment.sealing`.
+    """A ring around a hole that must stay closed, see :mod:`faying.assessment.sealing`.
 
     Attributes
     ----------
     around : [length]
-        A point in the hole: that with the nearest edge is meant.
+        A point in the hole; the hole with the nearest edge is taken.
     pressure : [force/length²]
-        Least pressure of the ring, which must be above zero in any case.
+        Least pressure of the ring, above zero in any case.
     interface
-        Where it is; None is the only one.
+        Interface of the ring; None is the only one.
 
     Examples
     --------
@@ -38,31 +38,31 @@ class ClosedRing:
 
 @dataclass(frozen=True, kw_only=True)
 class Requirements:
-    """What is demanded of every load case; None is nothing.
+    """Requirements in every load case; None is no requirement.
 
     Attributes
     ----------
     min_clamp_force : [force]
-        Least total normal force of an interface; or one for each interface named.
+        Least total normal force of an interface, or one for each named interface.
     max_pressure : [force/length²]
         Largest pressure of a contact point.
     max_nodal_pressure : [force/length²]
         Largest average pressure around a node.
     no_opening_within : [length]
-        Distance from the axis of a bolt within which all that the preload presses stays pressed.
+        Distance from the axis of a bolt within which all points under preload pressure stay closed.
     min_opening_factor
         Least factor of a static load at which an interface, or its part nearest to a bolt, opens.
     open_below
-        Share of the area that the preload presses below which it is open; half unless given.
+        Share of the area under preload pressure below which it is open; by default half.
     min_slip_safety
-        Least S_G = μ / μ_needed under static loads, bolts carrying nothing across their axes.
+        Least S_G = μ / μ_needed under static loads, without lateral forces of bolts.
     min_sliding_factor
         Least factor of a static load or cycle with friction at which an interface slides as a
-        whole, bolts carrying what they do.
+        whole, with lateral forces of bolts.
     slip_friction
-        μ that interfaces without friction are judged with; or one for each interface named.
+        μ for the check of interfaces without friction, or one for each named interface.
     closed_ring
-        Rings around holes that must stay pressed.
+        Rings around holes that must stay closed.
 
     Examples
     --------
@@ -93,7 +93,7 @@ class Requirements:
 def misnamed(
     requirements: Requirements, interfaces: Sequence[str], smooth_interfaces: Sequence[str]
 ) -> Iterator[tuple[str, str]]:
-    """Yield the requirements that name an interface that is not there, and what is wrong.
+    """Yield the requirements on unknown interfaces, and a message for each.
 
     Smooth interfaces have no friction law.
     """
@@ -120,7 +120,7 @@ def misnamed(
 def check_names(
     requirements: Requirements, interfaces: Sequence[str], smooth_interfaces: Sequence[str]
 ) -> None:
-    """Refuse requirements on interfaces that are not there."""
+    """Refuse requirements on unknown interfaces."""
     wrong = [
         f"{key}: {text}" for key, text in misnamed(requirements, interfaces, smooth_interfaces)
     ]
@@ -130,25 +130,25 @@ def check_names(
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """One requirement, judged where it is nearest to failing.
+    """The verdict on one requirement in its most critical place and case.
 
     Attributes
     ----------
     requirement
         Its key in the study.
     met
-        Whether it is met; None where that is not known.
+        Whether it is met; None if unknown.
     place
         Interface or bolt.
     case
         Load case.
     value
-        Where it is nearest to failing, in the unit of the key; of openings the smallest pressure
-        near a bolt, which must stay above zero; not a number where it is not known.
+        Most critical value, in the unit of the key; for openings the smallest pressure near a
+        bolt, which must stay above zero; NaN if unknown.
     limit
-        Limit that the study sets.
+        Limit in the study.
     reason
-        Why it is not known; empty where it is.
+        Why it is unknown; empty if it is known.
     """
 
     requirement: str
@@ -163,7 +163,7 @@ class Verdict:
     def at_least(
         cls, requirement: str, location: str, case: str, value: float, limit: float
     ) -> "Verdict":
-        """Return the verdict on a value that must not be below its limit."""
+        """Return the verdict on a value with a lower limit."""
         met = value >= limit
         return cls(
             requirement=requirement, met=met, place=location, case=case, value=value, limit=limit
@@ -171,7 +171,7 @@ class Verdict:
 
     @classmethod
     def unknown(cls, requirement: str, limit: float, reason: str, location: str = "") -> "Verdict":
-        """Return the verdict on what cannot be judged."""
+        """Return the verdict on a requirement that cannot be judged."""
         return cls(
             requirement=requirement,
             met=None,

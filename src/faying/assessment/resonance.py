@@ -1,8 +1,8 @@
-"""The mode that a harmonic load brings to resonance, and its backbone as far as the load drives it.
+"""The mode that a harmonic load brings to resonance, and its backbone up to the load's amplitude.
 
 Amplitudes double from that of the static response to the smallest level, until the mode resists the
-largest one: at resonance the load p feeds what damping takes, p = 2 ζ α of (F5). Transients that
-settle under the load check it.
+largest one: at resonance the work of the load p equals the dissipation, p = 2 ζ α of (F5).
+Transients to the steady state under the load are a check.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ class Resonance:
     Attributes
     ----------
     analysis
-        Of the mode, at amplitudes that double.
+        Analysis of the mode, at doubling amplitudes.
     force
         |φᵀ F| of the largest level.
     linear : [1]
@@ -46,7 +46,7 @@ class Resonance:
     linear: float
 
     def resists(self, cycle: ModalCycle) -> bool:
-        """Say whether the mode resists the largest level at an amplitude, so that it is enough."""
+        """Return whether damping at an amplitude balances the largest level of the load."""
         energy = cycle.energy if cycle.stationary else cycle.loop
         damping = self.linear + energy / (2 * np.pi * cycle.load * cycle.modal)
         return 2 * damping * cycle.load >= self.force
@@ -60,9 +60,9 @@ def resonance(
     component: str,
     state: Solution,
 ) -> Resonance | None:
-    """Find the mode between two frequencies that moves a component, as ``"tip.uz"``, most.
+    """Return the mode between two frequencies that moves a component, as ``"tip.uz"``, most.
 
-    None if nothing rubs, or no mode is there that the load reaches.
+    None without friction, or without a mode that the load excites.
     """
     if not system.contact.rubbing_interfaces:
         return None
@@ -108,13 +108,13 @@ class SteadyState:
     Attributes
     ----------
     components : (n_boundary,)
-        What moves, as ``"tip.uz"``.
+        Names of the displacements, as ``"tip.uz"``.
     fundamental : (n_boundary,) [length]
-        Complex, against the load.
+        Complex amplitude, relative to the load.
     periods
-        How many were computed.
+        Number of computed periods.
     to_come : [1]
-        Change that is still to come, over the amplitude, by how the last changes shrank.
+        Relative change of the amplitude still to come, extrapolated from the last changes.
     """
 
     components: tuple[str, ...]
@@ -130,7 +130,7 @@ def steady_state(
     frequency: float,
     initial: Solution | None = None,
 ) -> SteadyState:
-    """Integrate the motion under a harmonic load, from rest at a state, until it repeats.
+    """Integrate the motion under a harmonic load, from a state at rest, until it repeats.
 
     Notes
     -----
@@ -164,7 +164,7 @@ def steady_state(
             size = float(np.linalg.norm(fundamentals[-1]))
             steps = np.diff(np.array(fundamentals[-3:]), axis=0)
             early, late = np.linalg.norm(steps, axis=1).tolist()
-            # Changes shrink like a geometric series; where they do not, nothing is known yet.
+            # Changes shrink like a geometric series; otherwise there is no extrapolation yet.
             left = late * late / (early - late) if early > late else np.inf
             to_come = max(left, late) / size
             if to_come <= SETTLED:

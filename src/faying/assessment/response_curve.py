@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Peak:
-    """Where a curve is highest.
+    """The highest point of a curve.
 
     Attributes
     ----------
@@ -29,9 +29,9 @@ class Peak:
         Factor of the load.
     frequency : [1/time]
     amplitude : [length]
-        Of the fundamental.
+        Amplitude of the fundamental.
     phase : [degree]
-        Of the displacement against the load.
+        Phase of the displacement relative to the load.
     at_end
         Whether that is where the curve begins or ends, so that no peak lies in it.
     """
@@ -45,22 +45,22 @@ class Peak:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactInMotion:
-    """What contact does along a curve, in one period of each point.
+    """Results of contact along a curve, in one period of each point.
 
     Attributes
     ----------
     load_work : (n,) [force·length]
-        What the load puts in.
+        Work of the load.
     damping_energy : (n,) [force·length]
-        What the damping matrix takes.
+        Energy dissipated by the damping matrix.
     friction_energy : (n,) [force·length]
-        What friction takes, by slip.
+        Energy dissipated by friction, from slip.
     motion_energy : (n,) [force·length]
         Largest kinetic energy of the first harmonic, ω² Σ |q|²/2 of the modes.
     peak_pressure : (n,) [force/length²]
-        Largest of all points.
+        Largest pressure of all points.
     stick_share : (n,) [1]
-        Least share of the closed area of an interface with friction that sticks.
+        Smallest sticking share of the closed area of an interface with friction.
     slip_share : (n,) [1]
         Share of the area ever closed that slips at some time.
     open_share : (n,) [1]
@@ -91,31 +91,31 @@ class ContactInMotion:
 
     @property
     def imbalance(self) -> Vector:
-        """Work of the load less what damping and friction take, over it (n,)."""
+        """Relative difference of the load's work and the dissipation (n,)."""
         left = self.load_work - self.damping_energy - self.friction_energy
         return np.asarray(left / self.load_work)
 
     @property
     def damping_ratio(self) -> Vector:
-        """What damping and friction take over 4π times the energy of the motion (n,)."""
+        """Dissipation over 4π times the energy of the motion (n,)."""
         lost = self.damping_energy + self.friction_energy
         return np.asarray(lost / (4 * np.pi * self.motion_energy))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Period:
-    """What contact points and bolts bear along one period of a motion.
+    """Pressures, bolt forces and bending moments along one period of a motion.
 
     Attributes
     ----------
     times : (n_time,) [time]
-        From just after its begin to its end.
+        From just after the start of the period to its end.
     pressure : (n_time, n_point) [force/length²]
         Of each contact point.
     bolt_forces : (n_time,) [force]
         Of each bolt.
     bolt_moments : (n_time, 2, 2) [force·length]
-        Of each bolt whose bending is seen: end, and component across the axis.
+        Of each bolt with known bending: end, and component across the axis.
     """
 
     times: Vector
@@ -133,17 +133,17 @@ class ResponseCurve:
     level : [1]
         Factor of the load.
     components : (n_boundary,)
-        What moves, as ``"tip.uz"``.
+        Names of the displacements, as ``"tip.uz"``.
     frequency : (n,) [1/time]
         Cyclic, of the load.
     harmonics : (n, n_harmonic + 1, n_boundary) [length]
         h of u = u₀ + Re Σ h_k exp(i k ω t) about the joint at rest; k = 0 is its mean.
     missed : (n_missed,)
-        Frequencies at which no motion was found, and why.
+        Frequencies without a solution, and why.
     contact
-        What its points did; None of an estimate.
+        Results of contact; None for an estimate.
     periods
-        What points and bolts bear along a period, by the frequencies of the largest pressure, the
+        Pressures and bolt forces along a period, by the frequencies of the largest pressure, the
         least clamp force and the largest range of each bolt.
     remarks : (n_remark,)
         What a reader should know.
@@ -164,12 +164,12 @@ class ResponseCurve:
 
     @property
     def swept_up(self) -> Mask:
-        """Which points a slow sweep from low to high frequencies goes through (n,)."""
+        """Which points a slow sweep from low to high frequencies passes (n,)."""
         return np.asarray(self.frequency >= np.maximum.accumulate(self.frequency))
 
     @property
     def swept_down(self) -> Mask:
-        """Which points a slow sweep from high to low frequencies goes through (n,)."""
+        """Which points a slow sweep from high to low frequencies passes (n,)."""
         lowest = np.minimum.accumulate(self.frequency[::-1])[::-1]
         return np.asarray(self.frequency <= lowest)
 
@@ -185,7 +185,7 @@ class ResponseCurve:
         )
 
     def fitted_damping(self, component: str) -> float:
-        """Return the damping ratio of a mode that is fitted to the motion of a component.
+        """Return the damping ratio of a mode fitted to the motion of a component.
 
         NaN where the curve has fewer than five points, or none on one side of its peak.
         """
@@ -243,11 +243,11 @@ class FrequencyResponse(Shown):
     Attributes
     ----------
     load : [1]
-        Complex amplitudes at level one, each in the unit of what it loads.
+        Complex amplitudes at level one, each in the unit of its load.
     curves : (n_level,)
         One for each level.
     linear
-        Of the joint whose closed points stick, at level one.
+        Linear response with all closed points stuck, at level one.
     remarks : (n_remark,)
         What a reader should know.
     units
@@ -280,12 +280,12 @@ class FrequencyResponse(Shown):
     ) -> "tuple[Axes, Axes]":
         """Draw amplitude over level (above) and phase (below) over frequency.
 
-        The linear curve, of the joint whose closed points stick, is dashed.
+        The linear curve, with all closed points stuck, is dashed.
 
         Parameters
         ----------
         expected
-            Curves from the backbone of a mode, which are laid over as dotted lines.
+            Curves from the backbone of a mode, drawn as dotted lines.
 
         Raises
         ------
@@ -323,7 +323,7 @@ class FrequencyResponse(Shown):
 
 
 def remarks_of(curves: Sequence[ResponseCurve]) -> tuple[str, ...]:
-    """Return what a reader should know of curves, frequencies without a motion included."""
+    """Return the remarks on curves, frequencies without a solution included."""
     return tuple(
         f"level {curve.level:g}, {text}"
         for curve in curves
@@ -332,7 +332,7 @@ def remarks_of(curves: Sequence[ResponseCurve]) -> tuple[str, ...]:
 
 
 def boundary_components(system: System) -> tuple[str, ...]:
-    """Return the names of all boundary degrees of freedom, with the node where there are many."""
+    """Return the names of all boundary degrees of freedom, with the node if there are many."""
     names = []
     for name, boundary in system.boundaries.items():
         multiple = len(np.unique(boundary.nodes)) > 1

@@ -1,4 +1,4 @@
-"""Ring-down of a mode of a joint with friction, and frequency and damping of what dies out."""
+"""Ring-down of a mode of a joint with friction, and frequency and damping of the decay."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -34,7 +34,7 @@ class Decay:
     times : (n,) [time]
         Middle of each period.
     amplitude : (n,)
-        Half of the swing there, in the unit of the motion.
+        Half the peak-to-peak value there, in the unit of the motion.
     frequency : (n,) [1/time]
         Of the damped motion.
     damping_ratio : (n,)
@@ -48,26 +48,26 @@ class Decay:
 
 
 def free_decay(times: Vector, motion: Vector) -> Decay:
-    """Take frequency and damping from a free motion in one mode.
+    """Return frequency and damping of a free motion in one mode.
 
-    The motion is followed from extreme to extreme, so that it may come to rest elsewhere than at
-    zero, as a joint does that has slipped.
+    The motion is followed from extreme to extreme, so that it may come to rest away from zero, as
+    a joint does after slip.
 
     Parameters
     ----------
     times : (n_time,) [time]
     motion : (n_time,)
-        A modal coordinate, φᵀ M (u − u₀) with the mode φ, or a displacement that one mode makes.
+        A modal coordinate, φᵀ M (u − u₀) with the mode φ, or a displacement in one mode.
 
     Raises
     ------
     ModelError
-        If it does not swing often enough, is constant, or holds NaN or infinity.
+        If it has too few periods, is constant, or holds NaN or infinity.
 
     Notes
     -----
-    Extremes are those of parabolas through three instants: of a motion in one mode alone 20 steps a
-    period give a damping ratio of 1e-2 to 1e-5 of itself.
+    Extremes are those of parabolas through three instants: for a motion in one mode alone, 20 steps
+    a period give a damping ratio of 1e-2 with a relative error of 1e-5.
 
     Examples
     --------
@@ -124,19 +124,19 @@ class RingDown(Frozen):
     mode
         Its number, from 1.
     small_frequency : [1/time]
-        Of small vibrations, in which every closed point sticks.
+        Frequency of small vibrations, with every closed point stuck.
     measured_at
-        The boundary, or one of its components, where ``motion`` is that of the mode.
+        The boundary, or one of its components, of ``motion``.
     motion : (n_time,) [length]
-        Modal coordinate φᵀ M (u − u₀) times what the mode moves there.
+        Modal coordinate φᵀ M (u − u₀) times the displacement of the mode there.
     decay
         Frequency and damping ratio of ``motion``, period by period.
     solution
-        The transient, of the system with the inertia load of the mode beside its own loads.
+        The transient, of the system with the inertia load of the mode as another load.
     energies : (n_cycle,) [force·length]
-        What friction took in each cycle before the joint was let go.
+        Energy dissipated by friction in each cycle before the release.
     remarks : (n_remark,)
-        What a reader should know.
+        Remarks for the reader.
     """
 
     mode: int
@@ -163,11 +163,11 @@ def ring_down(
     integrator: Integrator | None = None,
     compiled: bool | None = None,
 ) -> RingDown:
-    """Displace a joint in one of its modes, let it go, and take its damping from the decay.
+    """Displace a joint in one of its modes, release it, and return the damping of the decay.
 
-    The preloaded joint is loaded by α M φ, to and fro until its cycles repeat, as in
-    :func:`faying.backbone`; without that load it rings down in the mode φ and in whatever friction
-    makes vibrate besides.
+    The preloaded joint is loaded by α M φ in cycles until they repeat, as in
+    :func:`faying.backbone`; after release it rings down in the mode φ and in motions excited by
+    friction.
 
     Parameters
     ----------
@@ -176,38 +176,38 @@ def ring_down(
     mode
         Number of the mode of small vibrations about the preloaded joint, from 1.
     amplitude : [length]
-        Displacement to begin with where it is measured, if nothing slipped.
+        Initial displacement at the measured place of the joint without slip.
     at
         A boundary, or one of its components as ``"tip.rx"``; by default the boundary that the mode
-        moves most. It begins on the positive side of that, with ``"-tip.rx"`` on the other.
+        moves most. The release is on its positive side, with ``"-tip.rx"`` on the negative.
     path
-        Loads that lead to the joint about which it vibrates; the last one stays on. By default the
+        Loads that lead to the state of vibration, of which the last one stays on. By default the
         bolts are tightened with friction in one increment.
     increments
-        In which the mode is loaded, a quarter of a cycle.
+        Number of increments of a quarter of a cycle.
     cycles
-        Before the joint is let go; by default until they repeat, 30 at most. A joint that is let
-        go without them settles while it rings down: its first swings slip as later ones do not.
+        Number of cycles before the release; by default until they repeat, 30 at most. Without
+        cycles a joint settles during the ring-down: its first periods have more slip.
     periods, steps_per_period
-        Of small vibrations: how long, and how fine the steps are.
+        Duration in periods of small vibrations, and time steps of each.
     integrator
-        By default :class:`faying.EnergyDecaying` at 0.8, whose own damping is next to nothing; hard
-        contact with friction takes another.
+        By default :class:`faying.EnergyDecaying` at 0.8, with negligible numerical damping; hard
+        contact with friction needs another one.
     compiled
         Deprecated, without effect.
 
     Raises
     ------
     ModelError
-        If nothing rubs, a number is out of range, or the mode does not move what should measure it.
+        Without friction, if a number is out of range, or the measured place does not move.
     ConvergenceError
         If an increment or a step is not solved.
 
     Notes
     -----
-    Decay and cycles agree where neighbouring modes follow quasi-statically: within 5 to 9 % at
-    small amplitudes, and up to several times apart where a multiple of the frequency meets another
-    mode (``docs/theory/friction.md``).
+    Damping by decay and by cycles agrees within 5 to 9 % at small amplitudes where neighbouring
+    modes follow quasi-statically, and differs by up to several times where a multiple of the
+    frequency meets another mode (``docs/theory/friction.md``).
 
     Examples
     --------

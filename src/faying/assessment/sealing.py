@@ -1,7 +1,8 @@
-"""Sealing: how well the closed ring around a hole of an interface is pressed.
+"""Sealing: the pressure on the best closed ring around a hole of an interface.
 
-A fluid inside the hole leaks along the path whose largest pressure is smallest; that pressure is
-also the smallest one on the best closed ring around the hole, for every path crosses every ring.
+A fluid inside the hole leaks along the path with the smallest maximum of pressure. That maximum is
+also the smallest pressure on the best closed ring around the hole, since every path crosses every
+ring.
 """
 
 from collections.abc import Sequence
@@ -20,16 +21,16 @@ from faying.model.outline import bounding_edges
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Ring:
-    """The nodes of an interface around a hole, and which are next to each other.
+    """The nodes of an interface around a hole, and their neighbours.
 
     Attributes
     ----------
     points
-        Of the interface, among all contact points.
+        Slice of the interface in all contact points.
     averaging : (n_node, n_point) sparse
-        From pressures of points to nodal averages.
+        Map from pressures of points to nodal averages.
     links : (n_link, 2)
-        Neighbours: a node, increasing, and one that shares a facet with it; every node is its own.
+        A node, in ascending order, and one that shares a facet with it, or the node itself.
     inside, outside : (n,)
         Nodes on the edge of the hole, and on all other edges.
     """
@@ -42,7 +43,7 @@ class Ring:
 
 
 def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
-    """Return the nodes around the hole of an interface whose edge is nearest to a point."""
+    """Return the nodes around the hole of an interface with the edge nearest to a point."""
     facets, every = pair_facets(surface), np.arange(len(surface.pairs))
     links = [np.repeat(every[:, None], 2, axis=1)]
     for _, nodes in facets:
@@ -76,7 +77,7 @@ def ring_pressure(ring: Ring, pressure: Matrix) -> Vector:
 
     Notes
     -----
-    From the edge of the hole outwards each node takes the smallest maximum of the paths to it,
+    From the edge of the hole outwards each node takes the smallest maximum over the paths to it,
     until none changes: as many passes over all links as the longest such path has nodes.
     """
     nodal = np.asarray((ring.averaging @ pressure[:, ring.points].T).T)
@@ -98,7 +99,7 @@ def _least_barrier(ring: Ring, nodal: Matrix) -> Vector:
 
 
 def _loops(rim: Indices, n_node: int) -> Indices:
-    """Return the number of the closed edge that nodes (n_node,) lie on; -1 where on none."""
+    """Return the number of the closed edge of each node (n_node,); -1 for nodes off edges."""
     graph = sp.coo_array((np.ones(len(rim)), tuple(rim.T)), shape=(n_node, n_node))
     _, label = connected_components(graph.tocsr(), directed=False)
     on = np.zeros(n_node, dtype=bool)

@@ -4,10 +4,10 @@ With x = admissible(x − r z) and z = H x + z_free, (F1), an increment changes 
 
     (I − J + J r H) δx = ∂x/∂μ δμ − J r (δz_free + ∂c/∂c_t δc_t),                             (F6)
 
-J the derivative of what the laws admit; z_free holds what loads move, and the slip before, whose
-change is what all increments before have added to it, δs + δz_t. ``docs/theory/friction.md``.
-Without friction these are H_AA δλ_A = −δg_A of the points A in contact, and a static solution is a
-path of one state.
+J is the derivative of the projection; z_free contains displacements due to loads, and the slip
+before, whose change is the sum over all earlier increments, δs + δz_t.
+``docs/theory/friction.md``. Without friction these are H_AA δλ_A = −δg_A of the points A in
+contact, and a static solution is a path of one state.
 """
 
 from collections.abc import Sequence
@@ -29,14 +29,14 @@ from faying.simulation.static import solve_static_inputs
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sensitivity:
-    """A static solution or a path, ready for derivatives.
+    """A static solution or a path, prepared for derivatives.
 
     Attributes
     ----------
     system, solution
-        What is differentiated.
+        Model and solution to differentiate.
     initial
-        The state a path went on from, which stays as it is.
+        The constant state from which a path continued.
     """
 
     system: System
@@ -45,9 +45,9 @@ class Sensitivity:
 
     @cached_property
     def loads(self) -> Derivatives:
-        """By every boundary force, as ``"tip.Fz"``, and load pattern; of a path its last state's.
+        """Derivatives by boundary forces, as ``"tip.Fz"``, and load patterns, of the last state.
 
-        The way to the last state stays as it is.
+        The path to the last state does not change.
         """
         ports, slices = self.system.port_compliance, boundary_slices(self.system.boundaries)
         n = len(ports.input_rows)
@@ -66,21 +66,21 @@ class Sensitivity:
 
     @cached_property
     def initial_bolt_forces(self) -> Derivatives:
-        """By the initial force N₀ every bolt is locked at, changed alike in all states."""
+        """Derivatives by the initial force N₀ of every bolt, changed in all states."""
         return self._by_bolts(np.eye(len(self.system.bolts)))
 
     @cached_property
     def final_preloads(self) -> Derivatives:
-        """By the nominal final forces F the bolts are tightened to, without load.
+        """Derivatives by the nominal final forces F of the tightened bolts, without load.
 
         ∂N₀/∂F is the inverse of the slope of the bolt forces in the tightened state, which has
-        its own points in contact; the range minds both states.
+        its own points in contact; the range respects both states.
 
         Raises
         ------
         ModelError
-            If tightening a bolt clamps nothing, or there is friction: what a preload does then
-            depends on the way to it.
+            If tightening a bolt clamps nothing, or with friction, where the effect of a preload
+            depends on the path to it.
         """
         self.system.contact.check_frictionless(
             "so that final preloads depend on the order of tightening; take initial_bolt_forces"
@@ -96,13 +96,13 @@ class Sensitivity:
 
     @cached_property
     def friction(self) -> Derivatives:
-        """By the coefficient of friction of every interface that has one, from the start on."""
+        """Derivatives by the coefficient of friction of every interface that has one."""
         names = self._where(self.system.contact.coefficients)
         return self._follow(names, friction=self._members(names))
 
     @cached_property
     def tangential_penalty(self) -> Derivatives:
-        """By c_t of every interface where what sticks gives, from the start on."""
+        """Derivatives by c_t of every interface with compliant sticking points."""
         contact = self.system.contact
         flexibility = np.zeros(contact.n_points)
         flexibility[contact.rubbing] = contact.tangential_flexibility
@@ -113,14 +113,14 @@ class Sensitivity:
     def initial_gap(
         self, directions: Matrix, parameters: Sequence[str] | None = None
     ) -> Derivatives:
-        """Differentiate by changes of the initial gap, the bolts locked at their N₀.
+        """Return derivatives by changes of the initial gap, with bolts locked at their N₀.
 
         Parameters
         ----------
         directions : (n_point,) or (n_point, n_parameter)
-            Change of g₀ per unit of each parameter; the identity gives all points one by one.
+            Change of g₀ per unit of each parameter; the identity for single points.
         parameters
-            Names; numbers unless given.
+            Names; by default numbers.
 
         Raises
         ------
@@ -142,12 +142,12 @@ class Sensitivity:
         return np.atleast_2d(self.solution.inputs)
 
     def _where(self, values: Vector) -> tuple[str, ...]:
-        """Return the interfaces where some value of their points (n_point,) is not zero."""
+        """Return the interfaces with a nonzero value (n_point,) at some point."""
         slices = self.system.contact.slices.items()
         return tuple(name for name, points in slices if values[points].any())
 
     def _members(self, names: tuple[str, ...]) -> Matrix:
-        """Return which points (n_point, n) belong to interfaces, as ones and zeros."""
+        """Return the points (n_point, n) of interfaces, as ones and zeros."""
         members = np.zeros((self.system.contact.n_points, len(names)))
         for number, name in enumerate(names):
             members[self.system.contact.slices[name], number] = 1.0
@@ -163,7 +163,7 @@ class Sensitivity:
         return Sensitivity(system=self.system, solution=state_of(cases, 0))
 
     def _by_bolts(self, changes: Matrix) -> Derivatives:
-        """Differentiate along changes of the initial bolt forces (n_bolt, n_bolt)."""
+        """Return derivatives along changes of the initial bolt forces (n_bolt, n_bolt)."""
         ports = self.system.port_compliance
         inputs = np.zeros((len(ports.input_rows), changes.shape[1]))
         inputs[ports.bolts] = changes
@@ -183,11 +183,11 @@ class Sensitivity:
         friction: Matrix | float = 0.0,
         yields: Matrix | float = 0.0,
     ) -> Derivatives:
-        """Differentiate increment by increment, by changes per unit of each parameter.
+        """Return derivatives, increment by increment, from changes per unit of each parameter.
 
-        Those of the loads are (n_increment, n_input, n_parameter); of the initial gap [length], the
-        coefficients of friction and what a tangential force yields [length/force], (n_point,
-        n_parameter).
+        Changes of the loads are (n_increment, n_input, n_parameter). Changes of the initial gap
+        [length], the coefficients of friction and the tangential compliances [length/force] are
+        (n_point, n_parameter).
         """
         contact, ports, n = self.system.contact, self.system.port_compliance, len(parameters)
         count = len(self._inputs)
@@ -239,7 +239,7 @@ class Sensitivity:
 
 
 def sensitivity(system: System, solution: Solution, initial: Solution | None = None) -> Sensitivity:
-    """Prepare the derivatives of a static solution, or of a path with friction.
+    """Return the prepared derivatives of a static solution, or of a path with friction.
 
     Parameters
     ----------
@@ -249,7 +249,7 @@ def sensitivity(system: System, solution: Solution, initial: Solution | None = N
         From :func:`faying.solve_static` or, with friction, :func:`faying.solve_path`, with that
         model.
     initial
-        The state a path went on from, as ``solve_path`` was told; it stays as it is.
+        The state from which a path continued, as given to ``solve_path``; it is constant.
 
     Returns
     -------
@@ -269,9 +269,9 @@ def sensitivity(system: System, solution: Solution, initial: Solution | None = N
     Notes
     -----
     Each state takes an LU factorization between the points in contact, ⅔ (k n)³ multiplications
-    with k = 3 components where there is friction and 1 without, and a substitution for each
-    parameter. A point that just touches (no force, no gap) makes the derivative one-sided: its
-    range then ends at zero on the other side.
+    with k = 3 components with friction and 1 without, and a substitution for each parameter. A
+    point that just touches (no force, no gap) makes the derivative one-sided: its range ends at
+    zero on the other side.
 
     Examples
     --------
@@ -284,7 +284,7 @@ def sensitivity(system: System, solution: Solution, initial: Solution | None = N
     contact, n_input = system.contact, len(system.port_compliance.input_rows)
     shapes = np.shape(solution.contact_forces), np.shape(solution.inputs)
     count, last = shapes[1][:-1], int(np.prod(shapes[1][:-1])) - 1
-    # Cases that do not lead to the last are no path: each has its own derivatives.
+    # Independent cases are no path: each has its derivatives.
     path = len(contact.way_to(np.array([last]))) == last + 1
     expected = (*count, contact.n_points), (*count, n_input)
     if solution.times is not None or not path or shapes != expected:

@@ -1,4 +1,4 @@
-"""Frequency and damping of a mode from a measured frequency response around it."""
+"""Frequency and damping of a mode, from a measured frequency response around it."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class SingleMode:
         Undamped, cyclic.
     damping_ratio : [1]
     residual : [1]
-        Root mean square of what the fit leaves, over that of the response.
+        Root mean square of the residual of the fit, over that of the response.
     """
 
     frequency: float
@@ -31,10 +31,10 @@ class SingleMode:
 
 
 def single_mode(frequency: Vector, response: ComplexVector) -> SingleMode:
-    """Fit a mode and a constant to the displacement per force around a resonance.
+    """Return a mode fitted, with a constant, to the displacement per force around a resonance.
 
-    Frequencies (n,) [1/time] rise. Responses (n,) are complex, in any unit, and at one amplitude
-    where the joint is not linear.
+    Frequencies (n,) [1/time] are in ascending order. Responses (n,) are complex, in any unit; for
+    nonlinear joints they are at one amplitude.
 
     Raises
     ------
@@ -43,8 +43,8 @@ def single_mode(frequency: Vector, response: ComplexVector) -> SingleMode:
 
     Notes
     -----
-    Least squares of A/(ω₀² − ω² + 2iζω₀ω) + B with complex A and B: both follow from the other two,
-    which SciPy looks for from the largest response on.
+    Least squares of A/(ω₀² − ω² + 2iζω₀ω) + B with complex A and B: these follow from ω₀ and ζ,
+    which SciPy seeks, starting at the largest response.
 
     Examples
     --------

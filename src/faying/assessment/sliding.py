@@ -1,16 +1,16 @@
-"""How much of the friction that resists sliding as a whole an interface already uses.
+"""The used share of the friction that resists sliding of an interface as a whole.
 
-A rigid motion v of one side over the other meets at most Σ μ F_i |v_i|, where F_i presses at point
-i and v_i is the motion along the interface there. While the F_i stay as they are, the load that the
-tangential forces t_i carry can therefore grow by no more than 1 / η, and by as much,
+A rigid motion v of one side over the other meets a resistance of at most Σ μ F_i |v_i|, where F_i
+is the normal force at point i and v_i the motion along the interface there. With constant F_i, the
+load carried by the tangential forces t_i can therefore grow by exactly 1 / η at most,
 
     η = max over v of  Σ t_i · v_i / Σ μ F_i |v_i|,
 
 after D. C. Drucker, "Coulomb friction, plasticity, and limit loads", Journal of Applied Mechanics
 21 (1954) 71-74. Motions that press the sides into each other, or lift them apart, are no sliding: v
-goes along the interface everywhere, in three directions of a plane, around and along a cylinder, in
-none of a closed box. η is one where everything slips in the directions of one such motion. It is
-small where what slips here cancels what slips there: under a flange that is bent by an axial load.
+is tangential everywhere, in three directions for a plane, around and along a cylinder, in none for
+a closed box. η is one where all points slip in the directions of one such motion. It is small where
+tangential forces cancel over the interface: under a flange bent by an axial load.
 """
 
 import numpy as np
@@ -26,15 +26,15 @@ Around a circle of 24 flat facets it is 0.075, at a right angle to slopes of 6 d
 
 
 def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vector) -> float:
-    """Return η, between 0 and 1; 0 where nothing is pressed.
+    """Return η, between 0 and 1; 0 without contact.
 
-    Pressed points at places (n, 3) [length] carry shear (2, n) [force] along tangents (2, n, 3) of
-    the interface, at most the bounds μ F (n,) [force].
+    Points in contact at places (n, 3) [length] carry shear (2, n) [force] along tangents (2, n, 3)
+    of the interface, at most the bounds μ F (n,) [force].
 
     Notes
     -----
-    The search is that of a weighted geometric median: least squares whose weights are those of the
-    motion before (E. Weiszfeld, Tohoku Math. J. 43 (1937) 355-386).
+    As for a weighted geometric median: least squares with weights from the motion before
+    (E. Weiszfeld, Tohoku Math. J. 43 (1937) 355-386).
     """
     if not bounds.sum() > 0:
         return 0.0
@@ -57,12 +57,12 @@ def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vec
 
 
 def _moves(directions: Matrix, arms: Matrix) -> Matrix:
-    """Return what six rigid motions move points by in some directions (n_direction, n, 6)."""
+    """Return displacements in some directions (n_direction, n, 6) for six rigid motions."""
     return np.concatenate([directions, np.cross(arms, directions)], axis=-1)
 
 
 def _sliding(along: Matrix, across: Matrix, bounds: Vector) -> Matrix:
-    """Return rigid motions (6, n_motion) that go along an interface at points that are pressed."""
+    """Return rigid motions (6, n_motion) that are tangential at all points in contact."""
     sums = [
         np.einsum("n,inm,ink->mk", bounds, direction, direction) for direction in (along, across)
     ]

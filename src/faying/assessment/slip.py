@@ -1,4 +1,4 @@
-"""Which contact points stick, slip or are open along a path, and whether a joint slips as a whole.
+"""States of contact points along a path: stick, slip or open, and slip of a whole interface.
 
 A point slips in an increment where its traction reaches the bound μ p and its slip changes.
 """
@@ -20,16 +20,17 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SlipStates:
-    """What the points of a joint do in each increment of a path.
+    """The states of contact points in each increment of a path.
 
     Attributes
     ----------
     status : (n_increment, n_point)
         0 open, 1 stick, 2 slip.
     open_share, stick_share, slip_share : (n_increment,)
-        Of the area of all interfaces with friction; together one (zero without friction).
+        Shares of the area of all interfaces with friction; their sum is one (zero without
+        friction).
     macroslip : (n_increment,)
-        Whether everything that is closed slips, on some interface with friction.
+        Whether all closed points slip on some interface with friction.
     """
 
     status: Indices
@@ -40,15 +41,15 @@ class SlipStates:
 
     @property
     def slip_of_closed(self) -> Vector:
-        """Slipping area over the area in contact (n_increment,); zero where nothing touches."""
+        """Slipping area over the area in contact (n_increment,); zero without contact."""
         closed = self.stick_share + self.slip_share
         return self.slip_share / np.where(closed > 0, closed, 1.0)
 
 
 def slip_states(path: Solution, initial: Solution | None = None) -> SlipStates:
-    """Tell which points stick, slip or are open in each increment of a path.
+    """Return the states of points in each increment of a path.
 
-    Nothing had slipped before it, unless a state is given that it went on from.
+    The slip before the path is zero, or that of the state from which it continued.
     """
     return point_states(
         path.system.contact, path.contact_forces, path.shear_forces, slip_history(path, initial)
@@ -56,7 +57,7 @@ def slip_states(path: Solution, initial: Solution | None = None) -> SlipStates:
 
 
 def point_states(contact: Contact, normal: Matrix, shear: Matrix, slip: Matrix) -> SlipStates:
-    """Tell what points do under given forces.
+    """Return the states of points under given forces.
 
     Normal (n_increment, n_point) and shear forces (n_increment, n_tangent, n_point) [force]; slip
     (n_increment + 1, n_tangent, n_point) [length] before the first increment and after each.
@@ -80,7 +81,7 @@ def point_states(contact: Contact, normal: Matrix, shear: Matrix, slip: Matrix) 
 def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
     """Return the slip before a path and after each increment (n_increment + 1, n_tangent, n_point).
 
-    An initial state without friction has not slipped.
+    An initial state without friction has zero slip.
     """
     shape = (np.size(path.iterations), *path.shear_slip.shape[-2:])
     first = np.zeros((1, *shape[1:]))
@@ -99,5 +100,5 @@ def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:
 
 
 def all_slip(status: Indices) -> Mask:
-    """Say in which increments all that is closed slips, of the states (n_increment, n_point)."""
+    """Return in which increments all closed points slip, from states (n_increment, n_point)."""
     return np.asarray((status != STICK).all(axis=1) & (status == SLIP).any(axis=1))

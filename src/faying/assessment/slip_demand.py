@@ -1,8 +1,8 @@
-"""Slip by sums: which friction an area needs to carry along it what springs and bolts carry.
+"""Slip by sums: the friction that an area needs for its tangential forces.
 
-Without a friction law no point of an interface says how near it is to slipping. Its sums do, as in
-VDI 2230: the clamp force F_K, and what acts along the interface, a force F_Q and a moment M about
-the centre of pressure. With the mean arm of pressure r about the point where it is least,
+Without a friction law no single point of an interface indicates slip. Sums do, as in VDI 2230: the
+clamp force F_K, and the tangential resultant, a force F_Q and a moment M about the centre of
+pressure. With the mean arm of pressure r about the point of its minimum,
 
     μ_needed = F_Q / F_K + |M| / (F_K r),   S_G = μ / μ_needed.
 
@@ -36,24 +36,24 @@ SMALLEST_FRICTION = DECK_DIGITS
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SlipDemand:
-    """What an area without friction would need of it, over static load cases.
+    """The friction that an area needs, over static load cases.
 
     Attributes
     ----------
     tangential_force : [force]
-        Load case to F_Q, what acts along the area.
+        Load case to F_Q, the tangential force.
     moment : [force·length]
-        Load case to M, its moment about the normal through the centre of pressure.
+        Load case to M, the moment about the normal through the centre of pressure.
     clamp_force : [force]
         Load case to F_K.
     needed_friction : [1]
-        Load case to the coefficient that carries both; infinite where nothing is pressed.
+        Load case to the coefficient needed for both; infinite without contact.
     coefficient : [1]
-        Coefficient the area is judged with; None where none is given.
+        Coefficient of friction of the area; None where none is given.
     safety : [1]
-        Load case to S_G, the coefficient over that needed, of loads that need any.
+        Load case to S_G, the coefficient over the needed one, for loads that need friction.
     unknown
-        Why none of this is known; empty where it is.
+        Why none of this is known; empty if it is known.
     """
 
     tangential_force: Mapping[str, float] = field(default_factory=dict)
@@ -66,7 +66,7 @@ class SlipDemand:
 
     @property
     def asked(self) -> bool:
-        """Whether loads act on the area, with or without an answer."""
+        """Whether tangential loads act on the area, with or without a known result."""
         return bool(self.needed_friction or self.unknown)
 
 
@@ -92,7 +92,7 @@ class AreaSums:
 
 
 def area_sums(area: TangentialRows, points: Matrix, forces: Matrix, carried: Matrix) -> AreaSums:
-    """Sum pressure and what is carried along an area.
+    """Return the sums of pressure and tangential forces over an area.
 
     It has points (n_point, 3) [length] with contact forces (n_case, n_point) [force]; ``carried``
     (n_case, 3) [force], [force·length] comes from :meth:`TangentialRows.carried`.
@@ -112,7 +112,7 @@ def area_sums(area: TangentialRows, points: Matrix, forces: Matrix, carried: Mat
 
 
 def _over(load: Vector, resistance: Vector) -> Vector:
-    """Return a quotient that is infinite where nothing resists a load, and zero without any."""
+    """Return a quotient: infinite for a load without resistance, zero without load."""
     quotient = load / np.where(resistance > 0, resistance, 1.0)
     return np.where(resistance > 0, quotient, np.where(load > 0, np.inf, 0.0))
 
@@ -120,16 +120,14 @@ def _over(load: Vector, resistance: Vector) -> Vector:
 def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
     """Return the least mean distance (n_case,) of places from any one point, weighted by shares.
 
-    Places are (n_point, 2) [length]; shares (n_case, n_point) are not negative and add up to one,
-    or are all zero.
+    Places are (n_point, 2) [length]; shares (n_case, n_point) are not negative, and their sum is
+    one, or zero.
 
-    Notes
-    -----
-    From the centre by Newton's method, and where that leads nowhere by E. Weiszfeld, "Sur le point
-    pour lequel la somme des distances de n points donnés est minimum", Tohoku Math. J. 43 (1937)
-    355-386. Distances change in the second order only; a few passes do.
+    Notes ----- From the centre by Newton's method, and where that fails by E. Weiszfeld, "Sur le
+    point pour lequel la somme des distances de n points donnés est minimum", Tohoku Math. J. 43
+    (1937) 355-386. Distances change only in second order, so a few passes suffice.
     """
-    # A place pulls no more from next to it: at no distance it would for ever.
+    # The weight of a place is bounded near it: at zero distance it would be infinite.
     reach = DECK_DIGITS * float(np.ptp(places, axis=0).max(initial=0.0))
     point = shares @ places
     arms, left = _mean_arms(places, shares, point), np.arange(len(shares))
@@ -144,7 +142,7 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
         left = left[better]
         if not len(left):
             break
-    # Where a place itself is the point, the search ends beside it.
+    # If a place itself is the point, the search ends close to it.
     away = np.hypot(*(places - point[:, None]).transpose(2, 0, 1))
     at_place = _mean_arms(places, shares, places[away.argmin(axis=1)])
     return np.minimum(arms, at_place)
@@ -157,7 +155,7 @@ def _mean_arms(places: Matrix, shares: Matrix, point: Matrix) -> Vector:
 
 
 def _nearer(places: Matrix, shares: Matrix, point: Matrix, reach: float) -> tuple[Matrix, Matrix]:
-    """Return Newton's next points (n_case, 2), and Weiszfeld's."""
+    """Return the next points (n_case, 2) of Newton's and of Weiszfeld's method."""
     x, y = (places - point[:, None]).transpose(2, 0, 1)
     arms = np.maximum(np.hypot(x, y), reach)
     pulls = shares / arms
@@ -179,10 +177,10 @@ def slip_coefficients(
     smallest: float | None,
     of_smooth: float | Mapping[str, float] | None,
 ) -> dict[str, float]:
-    """Return the coefficient that each interface is judged with, of those that have one.
+    """Return the coefficient of friction for each interface that has one.
 
-    Friction has that of its law, or the smallest where it scatters; smooth interfaces what is given
-    for them.
+    Interfaces with friction have that of their law, or the smallest if it scatters; smooth ones
+    have the given coefficients.
     """
     given = {} if of_smooth is None else of_smooth
     if not isinstance(given, Mapping):
@@ -203,7 +201,7 @@ def slip_demands(
     pressure: Matrix,
     coefficients: Mapping[str, float],
 ) -> dict[tuple[str, str], SlipDemand]:
-    """Return what every area needs, by interface and bolt; an empty bolt is the whole interface.
+    """Return the demand of every area, by interface and bolt; an empty bolt is the whole interface.
 
     Rows are those of the same model. Static load cases have inputs (n_case, n_input) and pressures
     (n_case, n_point) [force/length²].

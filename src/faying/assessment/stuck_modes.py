@@ -1,4 +1,4 @@
-"""Vibration modes of a joint in which every closed point sticks: small motions with friction."""
+"""Vibration modes of a joint with every closed point stuck: small motions with friction."""
 
 from dataclasses import dataclass
 from typing import cast
@@ -23,7 +23,7 @@ from faying.simulation.solution_parts import check_points
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StuckMode:
-    """One mode.
+    """A vibration mode with every closed point stuck.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class StuckMode:
     frequency : [1/time]
         Cyclic.
     contact_share
-        Share of its strain energy that is in the law of the closed points.
+        Share of its strain energy in the law of the closed points.
     """
 
     shape: Vector
@@ -43,12 +43,11 @@ class StuckMode:
 def stuck_mode(system: System, state: Solution, number: int) -> StuckMode:
     """Return a mode, counted from 1, of small vibrations about a state in which all points stick.
 
-    Closed points stay closed and stuck, open ones open: their laws are springs in all components
-    that they have.
+    Closed points stay closed and stuck, open ones open: laws are springs in all their components.
 
     Notes
     -----
-    One factorization and one Lanczos run of a full model; dense matrices of a reduced one.
+    One factorization and one Lanczos run for a full model; dense matrices for a reduced one.
     """
     tangent = stuck_stiffness(system, state)
     factor = factorize_relieved(tangent, system.M, system.rigid_motions)
@@ -64,7 +63,7 @@ def stuck_mode(system: System, state: Solution, number: int) -> StuckMode:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StuckModes:
-    """All modes up to a frequency, and the static response of the same stuck joint.
+    """All modes up to a frequency, and the static response of the stuck joint.
 
     Attributes
     ----------
@@ -72,9 +71,9 @@ class StuckModes:
         Mass-normalized, in columns.
     frequencies : (n,) [1/time]
     stiffness : (n_dof, n_dof)
-        Of the joint whose closed points stick.
+        Stiffness of the joint with closed points stuck.
     factor
-        Its factorization, or what stands for K⁺ of (M11).
+        Its factorization, or K⁺ of (M11) for a free structure.
     """
 
     shapes: Matrix
@@ -84,12 +83,12 @@ class StuckModes:
 
 
 def stuck_modes(system: System, state: Solution, highest: float, at_least: int = 1) -> StuckModes:
-    """Return the modes of small vibrations up to a frequency, and so many at least.
+    """Return the modes of small vibrations up to a frequency, and a least number of them.
 
     Notes
     -----
-    A factorization, another that counts the modes, and one Lanczos run of a full model; dense
-    matrices of a reduced one.
+    A factorization, another that counts the modes, and one Lanczos run for a full model; dense
+    matrices for a reduced one.
     """
     tangent = stuck_stiffness(system, state)
     rigid = system.rigid_motions
@@ -112,15 +111,15 @@ def with_released_modes(
     stiffness: SparseMatrix | Matrix,
     frequencies: tuple[float, float],
 ) -> Matrix:
-    """Return shapes and, M-orthogonal to them, what they miss of modes of a released joint.
+    """Return shapes extended by the M-orthogonal remainders of modes of a released joint.
 
     Shapes (n_dof, n) have ΦᵀMΦ = I. The stiffness is that of the joint without springs of contact
-    that some motion overcomes; it may be singular. Of the frequencies [1/time] the first, above 0,
-    shifts, the second is the highest of the modes.
+    that some motion overcomes; it may be singular. The first of the frequencies [1/time], above 0,
+    is the shift, the second the highest of the modes.
 
     Notes
     -----
-    Two factorizations and one Lanczos run of a full model; dense matrices of a reduced one.
+    Two factorizations and one Lanczos run for a full model; dense matrices for a reduced one.
     """
     shift, highest = (2 * np.pi * np.array(frequencies)) ** 2
     count = count_negative(stiffness - highest * system.M)
@@ -131,7 +130,7 @@ def with_released_modes(
     basis = np.column_stack([system.rigid_motions, shapes])
     outside = released - basis @ (basis.T @ (system.M @ released))
     mass, ways = la.eigh(outside.T @ (system.M @ outside))
-    # A frequency is too high by half the share of mass that its shape misses.
+    # A frequency is too high by half the missing share of the mass of its shape.
     joins = mass > SHOWN_DIGITS
     return np.column_stack([shapes, outside @ ways[:, joins] / np.sqrt(mass[joins])])
 
@@ -139,20 +138,20 @@ def with_released_modes(
 def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
     """Return K + Pᵀ (B⁻¹ + R)⁻¹ P with the springs B between the pairs of closed points.
 
-    Closed points have the springs of their laws at the forces they carry, 1/(c_n w) of a penalty
-    and with friction 1/(c_t w) along both tangents; open ones have none. R is the residual
-    compliance of a reduced model that has one. The state is a solution to linearize about, or a
-    path, about its end. Sparse of a full model, dense of a reduced one.
+    Closed points have the springs of their laws at their forces, 1/(c_n w) for a penalty and with
+    friction 1/(c_t w) along both tangents; open ones have none. R is the residual compliance of a
+    reduced model, if any. The state is a static solution, or a path, of which the end is taken.
+    Sparse for a full model, dense for a reduced one.
 
     Notes
     -----
-    Where a law is hard the compliance between the pairs is needed, which a system computes once.
+    If a law is hard the compliance between the pairs is needed, which a system computes once.
     """
     return _on_springs(system, *stuck_springs(system, state))
 
 
 def slipping_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
-    """Return the stiffness on springs along normals alone: all that is closed slips."""
+    """Return the stiffness on springs along normals alone: all closed points slip."""
     rows, flexibility = stuck_springs(system, state)
     closed = int((np.atleast_2d(state.contact_forces)[-1] > 0).sum())
     return _on_springs(system, rows[:closed], flexibility[:closed])
@@ -172,11 +171,11 @@ def _on_springs(system: System, rows: SparseMatrix, flexibility: Vector) -> Spar
 
 
 def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector]:
-    """Return the springs of closed points: what the pairs move in each, and how it yields.
+    """Return the springs of closed points: displacements of the pairs to each, and flexibilities.
 
     Rows (n_spring, n_relative) are first along the normals of closed points, then along both
-    tangents of those that rub; flexibilities are (n_spring,) [length/force]. Of a path, the end
-    counts.
+    tangents of those with friction; flexibilities are (n_spring,) [length/force]. For a path at its
+    end.
     """
     check_points(system, state)
     contact = system.contact
@@ -190,7 +189,7 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
     along = compliance[1:, contact.rubbing].ravel()[stuck]
     flexibility = np.concatenate([compliance[0, closed], along])
     if (flexibility == 0).any():
-        # What is hard in a direction yields by a share of its own compliance there.
+        # A direction without flexibility gets a share of the structure's compliance there.
         flexibility = np.maximum(flexibility, DECK_DIGITS * _own_compliance(system, rows))
     return rows, flexibility
 
@@ -205,17 +204,17 @@ def _own_compliance(system: System, rows: SparseMatrix) -> Vector:
 
 
 def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = None) -> Vector:
-    """Compute the lowest frequencies of small vibrations about a static state.
+    """Return the lowest frequencies of small vibrations about a static state.
 
     Points in contact stay closed and open ones stay open, K + Gᵀ diag(c_n w) G over the former. The
     stiffness is the unstressed one, on a preloaded beam up to 1 % low in ω (docs/accuracy.md).
-    With friction every closed point sticks, and their tangential stiffness c_t w is part of it.
+    With friction every closed point sticks, with its tangential stiffness c_t w.
 
     Parameters
     ----------
     state
-        Static solution to vibrate about, or a path, about its end; by default the joint under its
-        bolts alone.
+        Static solution to vibrate about, or a path, of which the end is taken; by default the
+        joint under its bolts alone.
 
     Returns
     -------
@@ -242,7 +241,7 @@ def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = 
 def count_frequencies_below(
     model: Model, frequency: float, *, state: Solution | None = None
 ) -> int:
-    """Count the frequencies of small vibrations about a static state below one [1/time].
+    """Return the number of natural frequencies about a static state below a limit [1/time].
 
     Parameters
     ----------
@@ -252,7 +251,7 @@ def count_frequencies_below(
     Raises
     ------
     InertiaError
-        If the frequency is so close to one of theirs that round-off decides.
+        If the limit is so close to a natural frequency that round-off decides.
 
     Notes
     -----

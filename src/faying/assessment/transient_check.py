@@ -1,4 +1,4 @@
-"""A motion by harmonics beside a transient of its own."""
+"""Comparison of a motion by harmonics with a transient."""
 
 from dataclasses import dataclass
 
@@ -37,22 +37,22 @@ class TransientCheck:
 
     @property
     def difference(self) -> float:
-        """Amplitude by harmonics less that of the transient, over it."""
+        """Relative difference of the amplitude by harmonics from that of the transient."""
         return self.amplitude / self.transient_amplitude - 1
 
     @property
     def turn(self) -> float:
-        """Phase by harmonics less that of the transient [degree]."""
+        """Phase by harmonics minus that of the transient [degree]."""
         return (self.phase - self.transient_phase + 180.0) % 360.0 - 180.0
 
     @property
     def agrees(self) -> bool:
-        """Whether amplitudes differ by one in a hundred at most."""
+        """Whether amplitudes differ by at most one per cent."""
         return abs(self.difference) <= LARGEST_DIFFERENCE
 
     @property
     def sentence(self) -> str:
-        """What the check says."""
+        """The result of the check in a sentence."""
         left = (
             f", {self.to_come:.1%} still to come" if self.to_come > LARGEST_DIFFERENCE / 2 else ""
         )

@@ -1,9 +1,9 @@
-"""How far off the pressures of a reduced transient are, estimated without a full solution.
+"""The pressure error of a reduced transient, estimated without a full solution.
 
-What a model with residual compliance lacks is the inertia of the shapes above its basis. Contact
-forces move those shapes, so the forces of the solution itself tell which of them matter: their
-dominant patterns Λ give the Krylov shapes K⁻¹PᵀΛ, K⁻¹MK⁻¹PᵀΛ, …, and a model that has their inertia
-is compared with. ``docs/theory/transient_accuracy.md`` has what was measured.
+A model with residual compliance lacks the inertia of the shapes above its basis. Contact forces
+excite those shapes, so the forces of the solution itself tell which of them matter: their dominant
+patterns Λ give the Krylov shapes K⁻¹PᵀΛ, K⁻¹MK⁻¹PᵀΛ, …, and a model with the inertia of these is
+the reference. ``docs/theory/transient_accuracy.md`` has the measurements.
 """
 
 from collections.abc import Mapping
@@ -71,10 +71,9 @@ NO_TRANSIENT = "only a transient of a reduced model can be judged by a model wit
 
 
 def remedy_hint(errors: Mapping[str, float]) -> str:
-    """Return what to compare beside what was compared; empty where nothing is missing.
+    """Return a hint to further methods to compare; empty if the errors are tolerable.
 
-    Errors are the largest that the pressures of each method are estimated to have, over what is
-    tolerated.
+    Errors are the largest estimated pressure errors of each method, over the tolerance.
     """
     large = [name for name, error in errors.items() if error > 1.0]
     if any(METHODS[name].compliance for name in large):
@@ -92,38 +91,38 @@ def transient_error(
     integrator: Integrator | None = None,
     initial: Solution | None = None,
 ) -> Accuracy:
-    """Estimate the pressure error of a reduced transient by a model with more inertia.
+    """Return the estimated pressure error of a reduced transient, from a model with more inertia.
 
     Parameters
     ----------
     model
-        The full model that was reduced; or what :func:`finer_model` made of it for this solution.
+        The full model that was reduced, or the result of :func:`finer_model` for this solution.
     solution
-        Transient of a reduced model with trial vectors, from the rest under its bolts.
+        Transient of a reduced model with trial vectors, starting at rest under its bolts.
     load, integrator
-        Those of the solution.
+        Load and integrator of the solution.
     initial
-        Static solution of the finer model to start from, where the solution started from another
-        than the rest under its bolts.
+        Static solution of the finer model to start from, if the solution did not start at rest
+        under its bolts.
 
     Returns
     -------
     Accuracy
-        Of the solution, with the finer one as reference: estimates, no bounds. They do not know
-        of the time step, which both take.
+        Accuracy of the solution with the finer one as reference: estimates, no bounds. Errors of
+        the time step, which both share, are not included.
 
     Raises
     ------
     ModelError
-        If the solution is no transient of a reduced model of the full one, or that model came
-        without its trial vectors.
+        If the solution is not a transient of a reduced model of the full one, or that model has no
+        trial vectors.
     ConvergenceError
-        If the finer model gains energy from nothing, so that it says nothing.
+        If the finer transient has a spurious gain of energy.
 
     Notes
     -----
     Sixty back-substitutions, one projection, and one transient of the reduced model with sixty
-    trial vectors more. No time step of the full model.
+    more trial vectors. No time step of the full model.
 
     Examples
     --------
@@ -157,7 +156,7 @@ def stepped(
     tolerance: float | None,
     substeps: Indices | None,
 ) -> Solution:
-    """Solve a transient, whose steps are divided where there is a tolerance, or as another's."""
+    """Return a transient, with steps divided by a tolerance or as in another transient."""
     if tolerance is None:
         return solve_transient(
             system, load, step=step, duration=duration, integrator=integrator, initial=initial
@@ -169,9 +168,9 @@ def stepped(
 def finer_model(model: Model, solution: Solution) -> ReducedModel:
     """Return a model like that of a transient, with inertia where its contact forces act.
 
-    It has the trial vectors of the other one, the Krylov shapes of the dominant patterns of the
-    contact forces' changes, with the boundary held, and the residual compliance beyond them. Of a
-    model with attachment modes another step of :func:`refined_basis` instead.
+    It has the trial vectors of that model, the Krylov shapes of the dominant patterns of changes of
+    the contact forces, with the boundary held, and the residual compliance beyond them. A model
+    with attachment modes gets another step of :func:`refined_basis` instead.
 
     Raises
     ------
@@ -192,7 +191,7 @@ def finer_model(model: Model, solution: Solution) -> ReducedModel:
 
 
 def _krylov_shapes(model: Model, solution: Solution) -> Matrix:
-    """Displacements (n_dof, n_shape) that the changes of the contact forces call up."""
+    """Return displacements (n_dof, n_shape) under the changes of the contact forces."""
     contact = solution.system.contact
     forces = contact.at_pairs(solution.contact_forces, solution.shear_forces)
     changes = forces[:, 1:] - forces[:, :1]
@@ -206,7 +205,7 @@ def _krylov_shapes(model: Model, solution: Solution) -> Matrix:
 
 
 def _instants(solution: Solution) -> Matrix:
-    """Return the instants of a transient of two or more."""
+    """Return the instants of a transient; refuse other solutions."""
     times = solution.times
     if times is None or len(times) < 2:
         raise ModelError(NO_TRANSIENT)

@@ -1,14 +1,14 @@
-"""Certified error of increments with friction whose friction bounds are fixed, (C19).
+"""Certified error of increments with friction at fixed friction bounds, (C19).
 
-With bounds b given (Tresca), an increment minimizes a convex energy over λ_n ≥ 0, |λ_t| ≤ b, and
+With given bounds b (Tresca), an increment minimizes a convex energy over λ_n ≥ 0, |λ_t| ≤ b, and
 for any y with y_n ≥ 0
 
     ½ ‖x̂ − x*‖²_H  ≤  λ̂_nᵀ y_n + Σ (b |y_t| + λ̂_t · y_t) + ½ (z − y)ᵀ H⁻¹ (z − y),
 
 z = Hx̂ + z_free.
 
-Coulomb's bounds are b = μ λ_n of the unknown solution: against that nothing is certified, and what
-is left of (F1) is told as a residual. ``docs/theory/certificate.md`` derives it.
+Coulomb's bounds are b = μ λ_n of the unknown solution: their error is not certified; the residual
+of (F1) measures it. ``docs/theory/certificate.md`` derives it.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ from faying.simulation.solution import Solution
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class IncrementCertificate:
-    """How far the increments of a path are from those of the full model; one entry for each.
+    """Bounds of the errors of the increments of a path; one entry for each increment.
 
     Attributes
     ----------
@@ -37,10 +37,9 @@ class IncrementCertificate:
         from the same slip, with the friction bounds of the candidate; infinite where hard contact
         has more points than the pairs have displacements.
     energy_error : (n_increment,)
-        Bound of ‖x̂ − x*‖_H / ‖x*‖_H; infinite where nothing can be said.
+        Bound of ‖x̂ − x*‖_H / ‖x*‖_H; infinite where there is no bound.
     residual : (n_increment,)
-        What is left of Coulomb's law, the largest natural residual of (F1) over the largest force.
-        It bounds nothing.
+        Largest residual of Coulomb's law, (F1), over the largest force; it is no bound.
     """
 
     energy: Vector
@@ -51,27 +50,27 @@ class IncrementCertificate:
 def certify_increments(
     model: Joint, path: Solution, initial: Solution | None = None
 ) -> IncrementCertificate:
-    """Bound the errors of a path with friction, increment by increment, without solving the model.
+    """Return bounds of the errors of a path with friction, by increment, without solving the model.
 
     Parameters
     ----------
     model
-        The full model with friction, whose increments are meant.
+        The full model with friction, with the exact increments.
     path
         Result of :func:`faying.solve_path`, usually of a reduced model.
     initial
-        State it went on from; by default nothing had slipped.
+        State from which it continued; by default without slip.
 
     Raises
     ------
     ModelError
-        If the model has no friction, or the path is not of its contact points.
+        If the model has no friction, or the path has other contact points.
 
     Notes
     -----
-    What an increment inherits, the slip of those before, is taken from the path: errors do not add
-    up here, and an increment that was halved counts as one. A Cholesky factorization of H with all
-    components, ⅔ (3 n_point)³ multiplications, then O(n_point²) an increment.
+    The slip before an increment is taken from the path: errors are not accumulated, and a halved
+    increment counts as one. A Cholesky factorization of H with all components, ⅔ (3 n_point)³
+    multiplications, then O(n_point²) an increment.
 
     Examples
     --------
@@ -125,16 +124,14 @@ def tresca_gap(
     rubbing: Indices,
     bound: Matrix,
 ) -> Vector:
-    """Return the bound (C19) of increments with fixed friction bounds (n_increment,).
+    """Return the bound (C19) for increments with fixed friction bounds (n_increment,).
 
-    The flexibility is that of H: all normal components, then both tangential ones of the points
-    that rub (n_rubbing,). Admissible candidates x̂ [force] and their z [length] are (n_increment,
+    ``flexibility`` is of H: all normal components, then both tangential ones of the points with
+    friction (n_rubbing,). Admissible candidates x̂ [force] and their z [length] are (n_increment,
     3, n_point), friction bounds b (n_increment, n_rubbing) [force].
 
-    Notes
-    -----
-    y as in (C20): zero where a point presses or sticks, else what of z opens it, or slides it
-    against its force, so that the first two sums of (C19) vanish.
+    Notes ----- y as in (C20): zero where a point is closed or sticks, else the part of z that opens
+    it, or slides it against its force, so that the first two sums of (C19) vanish.
     """
     if flexibility.range_basis is not None:
         return np.full(len(forces), np.inf)

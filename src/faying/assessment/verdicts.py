@@ -1,4 +1,4 @@
-"""Requirements judged where they are nearest to failing."""
+"""Verdicts on requirements in their most critical place and case."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
@@ -25,7 +25,7 @@ def verdicts(
     paths: Mapping[str, Openings],
     reserves: Mapping[str, SlipReserve],
 ) -> Iterator[Verdict]:
-    """Yield the verdicts on what is required.
+    """Yield the verdicts on all requirements.
 
     Paths are the openings of static load cases, reserves those against slip of joints with
     friction.
@@ -52,7 +52,7 @@ def verdicts(
 def _clamp_verdict(
     limit: float | Mapping[str, float] | None, interfaces: Mapping[str, InterfaceAssessment]
 ) -> Iterator[Verdict]:
-    """Judge the least clamp force by the lower end of its certified interval, where it has one."""
+    """Yield the verdict on the least clamp force, by its certified lower bound if there is one."""
     for name, demanded in wanted_clamps(limit, interfaces).items():
         interface = interfaces[name]
         value = (
@@ -64,7 +64,7 @@ def _clamp_verdict(
 def wanted_clamps(
     limit: float | Mapping[str, float] | None, interfaces: Iterable[str]
 ) -> Mapping[str, float]:
-    """Return the least clamp force of each interface that has one."""
+    """Return the required clamp force of each interface that has one."""
     if limit is None:
         return {}
     return limit if isinstance(limit, Mapping) else dict.fromkeys(interfaces, limit)
@@ -73,7 +73,7 @@ def wanted_clamps(
 def _pressure_verdict(
     requirement: str, limit: float | None, peaks: Mapping[tuple[str, str], float]
 ) -> Iterator[Verdict]:
-    """Judge the largest pressures of the interfaces, each with its case."""
+    """Return the verdict on the largest pressures of the interfaces, each with its case."""
     if limit is None:
         return
     (name, case), value = find_most(peaks)
@@ -94,7 +94,7 @@ def _opening_verdict(
     preloaded: CaseState,
     cases: Mapping[str, CaseState],
 ) -> Iterator[Verdict]:
-    """Judge the smallest pressure near each bolt of points that the preload presses."""
+    """Yield the verdict on the smallest pressure near each bolt, under preload pressure."""
     if radius is None:
         return
     for bolt_name, bolt in bolts.items():
@@ -120,7 +120,7 @@ def _opening_verdict(
 
 
 def _opening_verdicts(limit: float | None, paths: Mapping[str, Openings]) -> Iterator[Verdict]:
-    """Judge the factors at which static load cases open an area."""
+    """Yield the verdicts on the factors at which static load cases open an area."""
     if limit is None:
         return
     factors = {
@@ -142,7 +142,7 @@ def _least_factor(
     short: Sequence[str],
     none: str,
 ) -> Verdict:
-    """Judge the least factor of places and load cases, beyond which some were not followed."""
+    """Return the verdict on the least factor over places and cases, where some are unknown."""
     if factors:
         (place, case), factor = find_least(factors)
         if factor < limit or not short:
@@ -153,7 +153,7 @@ def _least_factor(
 def _slip_verdict(
     limit: float | None, interfaces: Mapping[str, InterfaceAssessment]
 ) -> Iterator[Verdict]:
-    """Judge S_G of interfaces with a coefficient, all that acts along them carried by friction."""
+    """Yield the verdict on S_G of interfaces with a coefficient, all shear by friction."""
     if limit is None:
         return
     safeties: dict[tuple[str, str], float] = {}
@@ -179,7 +179,7 @@ def _slip_verdict(
 def _sliding_verdict(
     requirement: str, limit: float | None, reserves: Mapping[str, SlipReserve]
 ) -> Iterator[Verdict]:
-    """Judge the factors at which interfaces with friction slide as a whole."""
+    """Yield the verdict on the factors at which interfaces slide as a whole."""
     if limit is None:
         return
     factors = {
@@ -211,7 +211,7 @@ NO_SLIP = (
 
 
 def ring_surface(ring: ClosedRing, surfaces: Mapping[str, ContactSurface]) -> str:
-    """Return the interface of a ring, the only one where none is named."""
+    """Return the interface of a ring, by default the only one."""
     return ring.interface or next(iter(surfaces))
 
 

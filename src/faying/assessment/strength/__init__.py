@@ -1,1 +1,1 @@
-"""Strength of bolts: sizes and grades, preloads with their scatter, and what is left of each."""
+"""Strength of bolts: sizes and grades, preloads with scatter, and checks."""

@@ -1,4 +1,4 @@
-"""Checks of the strength of bolts, each where it is nearest to failing over all load cases."""
+"""Checks of the strength of bolts, each in its most critical load case."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -48,10 +48,10 @@ def strength_checks(
     units: str,
     repetitions: Mapping[str, float] | None = None,
 ) -> Iterator[Check]:
-    """Yield the checks of the bolts whose threads are known.
+    """Yield the checks of the bolts with known threads.
 
-    The joint is given at the ends of the scatter of its preloads, or as it is. Repetitions say how
-    often a load case comes in the life of the joint, where that is known.
+    The joint is given at the ends of the scatter of its preloads, or at nominal preloads.
+    Repetitions are the numbers of times a load case occurs in the life of the joint, where known.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class _Largest:
     row: int
 
     def check(self, bolt: str, quantity: str, limit: float, unit: str, source: str) -> Check:
-        """Return the check that this value does not exceed a limit."""
+        """Return the check of this value against an upper limit."""
         times = self.end.cases[self.case].times
         timed = times is not None and self.row < len(times)
         check = Check(
@@ -96,17 +96,18 @@ class _Largest:
         return check.at_most(self.value, limit)
 
     def _bounds(self, bolt: str) -> bool:
-        """Say whether no preload within the scatter gives more.
+        """Return whether this value is an upper bound over the scatter of preloads.
 
-        The force of the only bolt of a joint without friction rises with its preload: its spring is
-        no stiffer than itself with all else, whatever is open. Of several, one may relax another.
+        In a joint without friction with a single bolt, its force rises with its preload: its spring
+        is never stiffer than itself with the rest of the joint. With several, one may relax
+        another.
         """
         alone = len(self.end.rest.bolt_forces) == 1
         return alone and self.case in self.end.solved and bolt not in self.end.rest.bolt_moments
 
 
 def _largest(ends: Sequence[PreloadEnd], of: Callable[[PreloadEnd, CaseState], Vector]) -> _Largest:
-    """Return the largest of values (n_instant,) of each end and load case."""
+    """Return the largest of values (n_instant,) over all ends and load cases."""
     candidates = [
         _Largest(value=float(values.max()), end=end, case=case, row=int(values.argmax()))
         for end in ends
@@ -117,7 +118,7 @@ def _largest(ends: Sequence[PreloadEnd], of: Callable[[PreloadEnd, CaseState], V
 
 
 def _tightening_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
-    """Judge tension and torsion while the bolt is tightened."""
+    """Return the check of tension and torsion during tightening."""
     end = max(ends, key=lambda end: end.preload(bolt))
     stress, limit = tightening_stress(thread, end.preload(bolt)), thread.strengths(units).yields
     check = Check(
@@ -207,7 +208,7 @@ def _fatigue_checks(
     units: str,
     repetitions: Mapping[str, float],
 ) -> Iterator[Check]:
-    """Judge load cases that are counted by Miner's sum, all others together by their amplitude."""
+    """Yield checks of counted load cases by Miner's sum, and of all others by amplitude."""
     limit = endurance(thread, units)
     if not is_rated(thread, units):
         yield Check(part=bolt, kind="bolt", quantity="fatigue", reason=UNRATED)
@@ -241,7 +242,7 @@ def _endurance_check(
     units: str,
     limit: float,
 ) -> Check:
-    """Judge the amplitude over rest and all load cases that are not counted."""
+    """Return the check of the amplitude over rest and all load cases without counts."""
     amplitudes = [
         largest_amplitude(np.concatenate([_stresses(bolt, thread, end, case) for case in cases]))
         for end in ends
@@ -272,9 +273,9 @@ def _damage(
     repetitions: Mapping[str, float],
     limit: float,
 ) -> tuple[str, float, str]:
-    """Return the load case that does most, Miner's sum of the worst fibre, and at which end it is.
+    """Return the most damaging load case, Miner's sum of the worst fibre, and its end of scatter.
 
-    Where cases were not solved there the amplitudes are those of nominal preloads.
+    Cases without a solution at that end have the amplitudes of nominal preloads.
     """
     sums = {
         case: miner_sums(_stresses(bolt, thread, end, case), repetitions[case], limit)
@@ -298,7 +299,7 @@ def _stresses(bolt: str, thread: Thread, end: PreloadEnd, case: str) -> Matrix:
     moments = None if bent_before is None else state.bolt_moments.get(bolt)
     tightened = fibre_stresses(thread, end.rest.bolt_forces[bolt][:1], bent_before)
     loaded = fibre_stresses(thread, state.bolt_forces[bolt], moments)
-    # Without moments the bending at rest stays.
+    # Without moments the bending is that at rest.
     loaded = loaded + (tightened - tightened.mean() if moments is None else 0.0)
     return np.concatenate([tightened, loaded, tightened])
 
@@ -311,10 +312,10 @@ def with_threads(
     ends: Sequence[PreloadEnd],
     repetitions: Mapping[str, float] | None = None,
 ) -> Assessment:
-    """Return an assessment with the stress in the threads that are known, and their checks.
+    """Return an assessment with the stress in the known threads, and their checks.
 
-    The load cases that were judged are given anew at the ends of the scatter of the preloads.
-    Repetitions say how often a load case comes.
+    Load cases are given again at the ends of the scatter of the preloads. Repetitions are the
+    numbers of times they occur.
     """
     for name in threads:
         with naming("threads"):
@@ -340,7 +341,7 @@ def with_threads(
 
 @dataclass(frozen=True, kw_only=True)
 class Safeties:
-    """Least safeties.
+    """Required safety factors.
 
     Attributes
     ----------
@@ -358,7 +359,7 @@ class Safeties:
 
 
 def with_safeties(checks: Iterable[Check], demanded: Safeties) -> Iterator[Check]:
-    """Yield checks whose limits are what is borne over the safety that is demanded."""
+    """Yield checks with limits divided by the required safety factors."""
     safeties = {
         "yield": demanded.yields,
         "fatigue": demanded.fatigue,

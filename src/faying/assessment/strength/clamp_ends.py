@@ -1,4 +1,4 @@
-"""Clamp forces of interfaces where all preloads are at the end that leaves least."""
+"""Clamp forces of interfaces with all preloads at the end of their scatter that gives the least."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -21,10 +21,10 @@ def clamp_checks(
     limits: Mapping[str, float],
     units: str,
 ) -> Iterator[Check]:
-    """Yield the least clamp force of each interface over load cases that were solved at the ends.
+    """Yield the least clamp force of each interface over load cases solved at the ends.
 
-    Of several bolts, that of the area around each too. Limits [force] are the least clamp forces
-    demanded of interfaces; others must not lose theirs.
+    For several bolts also that of the area around each. Limits [force] are the required clamp
+    forces of interfaces; without a limit the clamp force must stay above zero.
     """
     for (interface, bolt), weights in contact_areas(surfaces, bolts).items():
         smallest = _smallest(ends, weights)
@@ -58,7 +58,7 @@ def _smallest(ends: Sequence[PreloadEnd], weights: Vector) -> tuple[float, str, 
 
 
 def clamp_loss(check: Check, preload: float, smallest: float, case: str) -> Iterator[Check]:
-    """Judge how much of the clamp force of the preload is lost, where there is any."""
+    """Yield the check of the lost share of the clamp force, if there was any."""
     if preload > 0:
         lost = max(1.0 - smallest / preload, 0.0)
         yield replace(

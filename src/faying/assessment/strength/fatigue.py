@@ -1,8 +1,8 @@
 """Fatigue of threads: cycles in a history, amplitudes against the endurance, and Miner's sum.
 
-The endurance of threads rolled before heat treatment is quoted widely in the symbols of VDI 2230 as
-σ_ASV = 0.85 (150 mm/d + 45) MPa, of property classes 8.8 to 12.9 at N_D = 2·10⁶ cycles, and
-σ_AZSV = σ_ASV (N_D/N)^{1/3} at fewer.
+The endurance of threads rolled before heat treatment is widely quoted, in the symbols of VDI 2230,
+as σ_ASV = 0.85 (150 mm/d + 45) MPa for property classes 8.8 to 12.9 at N_D = 2·10⁶ cycles, and as
+σ_AZSV = σ_ASV (N_D/N)^{1/3} for fewer cycles.
 """
 
 import numpy as np
@@ -30,19 +30,19 @@ def endurance(thread: Thread, units: str) -> float:
 
 
 def is_rated(thread: Thread, units: str) -> bool:
-    """Say whether σ_ASV is known: of steels from 800 MPa on that are not stainless."""
+    """Return whether σ_ASV is known: for steels of 800 MPa or more that are not stainless."""
     least = strength_of("8.8", units).ultimate * (1 - DECK_DIGITS)
     return thread.strengths(units).ultimate >= least and not thread.grade.startswith("A")
 
 
 def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:
-    """Return Miner's sum of each fibre (n_fibre,) over a history that is repeated.
+    """Return Miner's sum of each fibre (n_fibre,) over a repeated history.
 
-    Amplitudes below the endurance do no harm. Stresses (n_instant, n_fibre) have the unit of the
-    limit σ_ASV [force/length²].
+    Amplitudes below the endurance cause no damage. Stresses (n_instant, n_fibre) have the unit of
+    the limit σ_ASV [force/length²].
     """
     sums = np.zeros(stresses.shape[1])
-    # Fibres whose whole range stays below the endurance need no counting.
+    # Fibres whose whole range is below the endurance need no counting.
     for fibre in np.flatnonzero(np.ptp(stresses, axis=0) / 2 > limit):
         ranges, counts = rainflow(stresses[:, fibre]).T
         harmful = ranges / 2 > limit
@@ -52,9 +52,9 @@ def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:
 
 
 def rainflow(values: Vector) -> Matrix:
-    """Return the cycles of a history: ranges and how many of each (n_cycle, 2).
+    """Return the cycles of a history: ranges and their counts (n_cycle, 2).
 
-    A count of a half is a range that is not closed.
+    A count of a half is an open range.
 
     Notes
     -----

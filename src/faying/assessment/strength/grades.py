@@ -23,16 +23,16 @@ GRADE = re.compile(r"\d{1,2}\.[1-9]|A[1-5]-(?:50|70|80)|SAE (?:2|5|8)")
 
 @dataclass(frozen=True, kw_only=True)
 class BoltStrength:
-    """Strength of what a bolt is made of.
+    """Strength of the material of a bolt.
 
     Attributes
     ----------
     proof : [force/length²]
         S_p, stress under proof load.
     yields : [force/length²]
-        R_p0.2, from which it yields.
+        R_p0.2, yield strength.
     ultimate : [force/length²]
-        R_m.
+        R_m, tensile strength.
     """
 
     proof: float
@@ -48,7 +48,7 @@ class BoltStrength:
 
 
 def check_grade(grade: str) -> None:
-    """Refuse a grade that is none."""
+    """Refuse an unknown grade."""
     if not GRADE.fullmatch(grade):
         refuse_model(
             f"grade '{grade}' is none; give it as in '8.8' or '10.9', 'A2-70' or 'SAE 5', or the "
@@ -59,9 +59,9 @@ def check_grade(grade: str) -> None:
 def strength_of(grade: str, units: str) -> BoltStrength:
     """Return the strength of a grade.
 
-    A property class yields at what its name says: "8.8" at 0.8 of 800 MPa. Its proof stress is that
-    of the table, or 0.9 of its yield stress where the table has none; stainless steels have none
-    but their yield stress.
+    The yield strength of a property class follows from its name: "8.8" is 0.8 of 800 MPa. Its proof
+    stress is that of the table, or 0.9 of its yield strength if the table has none; for stainless
+    steels it is the yield strength.
     """
     check_grade(grade)
     pascal = pascals(units)

@@ -1,8 +1,8 @@
-"""Margins of safety of bolts as NASA-STD-5020B (2021) writes them; equations by its numbers.
+"""Margins of safety of bolts in the notation of NASA-STD-5020B (2021), with its equation numbers.
 
 Where linear theory adds n φ P_t to the preload (8), a contact model gives the bolt's force P_tb
 under the factored load itself: φ is then (P_tb − P_p) / P_t, and (10) and (7) give MS of (7).
-Clamp force that a load takes stands for P_tL in (19).
+The loss of clamp force under the load takes the place of P_tL in (19).
 """
 
 from dataclasses import dataclass
@@ -28,9 +28,9 @@ TOLERANCE_FACTORS = {
 def contact_margin(allowed: float, preload: float, tension: float) -> float:
     """Return MS_u or MS_y by (7, 10) or (16, 17) with a tension from a contact model.
 
-    Allowed is P_tu,allow or P_ty,allow, the preload P_p,max, and the tension P_tb that under the
-    factored load, with P_p,max in all bolts. The margin is infinite where the load does not pull at
-    the bolt; −1 where the preload alone is too much.
+    ``allowed`` is P_tu,allow or P_ty,allow, ``preload`` P_p,max, and ``tension`` P_tb under the
+    factored load, with P_p,max in all bolts. The margin is infinite where the load does not pull
+    the bolt, −1 where the preload alone is too large.
     """
     if preload >= allowed:
         return -1.0
@@ -40,18 +40,19 @@ def contact_margin(allowed: float, preload: float, tension: float) -> float:
 def interaction(
     shear: float, tension: float, bending: float, exponents: tuple[float, float] = THREAD
 ) -> float:
-    """Return the left side of (20) or (22), which must not be above 1.
+    """Return the left side of (20) or (22), which must not exceed 1.
 
-    Each is over what is allowed: P_su / P_su,allow, P_tu / P_tu,allow and f_bu / F_tu. Exponents
-    are :data:`THREAD` where the thread is in the shear plane (22), else :data:`SHANK` (20).
+    Each argument is a ratio to its allowable: P_su / P_su,allow, P_tu / P_tu,allow and f_bu / F_tu.
+    Exponents are :data:`THREAD` where the thread is in the shear plane (22), else :data:`SHANK`
+    (20).
     """
     return float(shear ** exponents[0] + (tension + bending) ** exponents[1])
 
 
 def slip_margin(friction: float, clamp: float, shear: float, tension: float = 0.0) -> float:
-    """Return MS_slip = μ F / (FS (P_sL + μ P_tL)) − 1, (84); (85) without tension, (86) of a bolt.
+    """Return MS_slip = μ F / (FS (P_sL + μ P_tL)) − 1, (84); (85) without tension, (86) for a bolt.
 
-    The clamp force is n_f P_p,min of a joint, P_p,min of a bolt; shear and tension are with their
+    The clamp force is n_f P_p,min for a joint, P_p,min for a bolt; shear and tension include their
     factors.
     """
     resisted = shear + friction * tension
@@ -90,7 +91,7 @@ def torque_tests(preloads: Vector, torque: float, diameter: float) -> TorqueTest
     Parameters
     ----------
     torque : [force·length]
-        T, at which all were measured.
+        T, common to all tests.
     diameter : [length]
         D.
 

@@ -2,7 +2,7 @@
 
 Loads are factored, preloads are not (4.4.5). Strength is judged at P_p,max in all bolts and without
 friction (TFSR 13), separation and slip at P_p,min. The contact model gives bolt forces in place of
-n φ P_t, and what the load takes from the clamp force in place of P_tL.
+n φ P_t, and the loss of clamp force under the load in place of P_tL.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -42,7 +42,7 @@ UNTESTED = "μ above 0.2 takes a test (TFSR 14)"
 
 @dataclass(frozen=True, kw_only=True)
 class DesignFactors:
-    """What the design multiplies loads by.
+    """Design factors of loads.
 
     Attributes
     ----------
@@ -51,9 +51,9 @@ class DesignFactors:
     ultimate, yields, separation, slip
         FS_u, FS_y, FS_sep and FS of slip.
     shear_plane
-        Whether the thread or the shank is where the members meet.
+        Whether the thread or the shank is in the plane where the members meet.
     separation_critical
-        Whether each bolt keeps its own scatter in P_p,min (4), else they share it (5).
+        Whether P_p,min has the scatter of a single bolt (4), else that of their mean (5).
     """
 
     fitting: float = 1.0
@@ -67,16 +67,16 @@ class DesignFactors:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Factored:
-    """Static load cases under factored loads, rest before them, at one end of the preloads.
+    """Solutions at rest and under factored static loads, at one end of the preloads.
 
     Attributes
     ----------
     end
-        Its name.
+        Name of the end.
     names
-        Of the load cases.
+        Names of the load cases.
     solution
-        Rest, then each of them.
+        Rest, then each load case.
     """
 
     end: str
@@ -89,7 +89,7 @@ class _Factored:
         rows: Sequence[TangentialRows],
         coefficients: Mapping[str, float],
     ) -> dict[tuple[str, str], SlipDemand]:
-        """Return what acts along the areas, at rest too."""
+        """Return the tangential forces of the areas, also at rest."""
         inputs, pressure = self.solution.inputs, self.solution.pressure
         cases = [AT_REST.name, *self.names]
         system = self.solution.system
@@ -108,17 +108,17 @@ def margin_checks(
     coefficients: Mapping[str, float],
     units: str,
 ) -> Iterator[Check]:
-    """Yield the margins of bolts over static loads, each where it is least; slip of interfaces too.
+    """Yield the least margins of bolts over static loads, and of interfaces against slip.
 
-    Bolts whose strength is judged have threads, nominal forces [force] and ranges of the preload;
-    rows tell what is carried along the interfaces, which slip with their coefficients.
+    Bolts to be judged have threads, nominal forces [force] and ranges of the preload. ``rows`` are
+    the tangential resultants of the interfaces, which slip with their coefficients.
 
     Raises
     ------
     ModelError
         If there is no static load, or the units are not known.
     ConvergenceError
-        If bolts cannot be brought to an end of their preloads.
+        If bolts cannot reach an end of their preloads.
 
     Notes
     -----
@@ -162,7 +162,7 @@ def margin_checks(
 def _factored(
     system: System, loads: Sequence[NamedLoad], end: str, initial: Vector, factor: float
 ) -> _Factored:
-    """Solve rest and factored loads with the initial forces (n_bolt,) of one end."""
+    """Return rest and factored loads with the initial forces (n_bolt,) of one end."""
     start = np.zeros(1)
     rest = AT_REST.inputs(system, start)
     applied = np.concatenate([load.inputs(system, start) for load in loads])
@@ -218,7 +218,7 @@ def _combined_check(
     sheared: Mapping[tuple[str, str], SlipDemand],
     factors: DesignFactors,
 ) -> Check:
-    """Judge (20) or (22) with the shear that acts along the interfaces around a bolt."""
+    """Return the check of (20) or (22) with the shear along the interfaces around a bolt."""
     threaded = factors.shear_plane == "thread"
     source = f"NASA-STD-5020B 4.4.4 ({22 if threaded else 20}), preload included, F_su = 0.6 F_tu"
     check = Check(
@@ -255,7 +255,7 @@ def _combined_check(
 def _separation_checks(
     factored: _Factored, surfaces: Mapping[str, ContactSurface]
 ) -> Iterator[Check]:
-    """Judge what factored loads leave of the clamp force around each bolt."""
+    """Yield checks of the clamp force around each bolt under factored loads."""
     source = "NASA-STD-5020B 4.4.3 (19), P_tL by the loss of clamp force of the contact model"
     solution = factored.solution
     margins: dict[str, list[Vector]] = {}
@@ -266,7 +266,7 @@ def _separation_checks(
         lost = np.maximum(clamp[0] - clamp[1:], 0.0) / clamp[0]
         margin = np.full(len(lost), np.inf)
         margin[lost > 0] = 1 / lost[lost > 0] - 1
-        # Nothing left is separation, by however little.
+        # A clamp force of zero is separation, by any margin.
         margins.setdefault(bolt, []).append(np.where(clamp[1:] > 0, margin, -1.0))
     for bolt, by_interface in margins.items():
         yield _margin(bolt, "MS_sep", np.min(by_interface, axis=0), factored, source)
@@ -275,7 +275,7 @@ def _separation_checks(
 def _slip_checks(
     factored: _Factored, demands: Mapping[tuple[str, str], SlipDemand]
 ) -> Iterator[Check]:
-    """Judge slip of interfaces by sums, and of the area around each bolt."""
+    """Yield checks of slip by sums, of interfaces and of the area around each bolt."""
     alone = len(factored.solution.system.bolts) == 1
     for (interface, bolt), demand in demands.items():
         if bolt and alone:

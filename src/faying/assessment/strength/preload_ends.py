@@ -1,4 +1,4 @@
-"""A joint at both ends of the scatter of its preloads, and at the temperatures it may have."""
+"""A joint at both ends of the scatter of its preloads, and at its possible temperatures."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -35,17 +35,17 @@ class PreloadEnd:
     Attributes
     ----------
     name
-        Of the end; empty where nothing scatters.
+        Name of the end; empty without scatter.
     rest
-        As tightened.
+        State after tightening.
     cases
-        Load case to what it makes of it.
+        Load case to its state.
     solved
-        Load cases that were solved anew; forces of bolts in others are moved by as much as the
-        preloads, and moments by that share of those at rest: exact where nothing opens, closes or
-        slips, and the preloads of all bolts change alike.
+        Load cases solved at this end. In all others bolt forces are shifted by the change of
+        preload, and moments by the same share of those at rest: exact where nothing opens, closes
+        or slips, and the preloads of all bolts change alike.
     tightened : [force]
-        Bolt to the force it was tightened to, where that was more than it has at rest.
+        Bolt to its force during tightening, where larger than at rest.
     """
 
     name: str
@@ -55,7 +55,7 @@ class PreloadEnd:
     tightened: Mapping[str, float] = field(default_factory=dict)
 
     def preload(self, bolt: str) -> float:
-        """Return the force of a bolt while it was tightened."""
+        """Return the force of a bolt during tightening."""
         return self.tightened.get(bolt, float(self.rest.bolt_forces[bolt][0]))
 
 
@@ -68,21 +68,21 @@ def preload_ends(
     tightened: Mapping[str, float] = MappingProxyType({}),
     temperatures: Mapping[str, StaticLoad] = MappingProxyType({}),
 ) -> tuple[PreloadEnd, ...]:
-    """Return a joint at both ends of its preloads, or as it is where they do not scatter.
+    """Return a joint at both ends of its preloads, or at nominal ones without scatter.
 
-    ``rest`` and ``cases`` are at nominal preloads. The loads, of static cases without friction, are
-    solved anew where ranges change them, beside each of the temperatures. Bolts that lost some of
-    their force since were tightened to a higher one [force].
+    ``rest`` and ``cases`` are at nominal preloads. Loads of static cases without friction are
+    solved anew where ranges change the preload, with each of the temperatures. ``tightened`` are
+    higher forces during tightening of bolts that lost some of it since [force].
 
     Raises
     ------
     ConvergenceError
-        If the bolts cannot be brought to an end.
+        If the bolts cannot reach an end.
 
     Notes
     -----
     One contact problem for each end, and one for each static load case at each end and temperature,
-    of gaskets ten.
+    ten with gaskets.
     """
     nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
     scattered = ends_of(nominal, ranges)
@@ -112,7 +112,7 @@ def preload_ends(
 def ends_of(
     nominal: Mapping[str, float], ranges: Mapping[str, PreloadRange]
 ) -> dict[str, dict[str, float]]:
-    """Return the forces of all bolts at both ends, or the nominal ones where nothing scatters."""
+    """Return the forces of all bolts at both ends, or the nominal ones without scatter."""
     ends = {
         end: {
             name: _at_end(ranges.get(name), force, end) if force > 0 else force
@@ -137,7 +137,7 @@ def solved_end(
     initial: Vector,
     heated: StaticLoad | None,
 ) -> PreloadEnd:
-    """Return an end whose static load cases are solved, with a temperature beside them."""
+    """Return an end with its static load cases solved, under a temperature as well."""
     start = np.zeros(1)
     rest = AT_REST.inputs(system, start)
     inputs = np.concatenate([rest, *(load.inputs(system, start) for load in loads.values())])
@@ -155,7 +155,7 @@ def solved_end(
 
 
 def _states_at(system: System, inputs: Matrix, bent: Sequence[str]) -> list[CaseState]:
-    """Return the joint as tightened, by the first of inputs (n_case, n_input), and the others."""
+    """Return the state at the first of inputs (n_case, n_input), tightened, and at the others."""
     tightened = inputs[0, system.port_compliance.bolts]
     bolts = dict(zip(system.bolts, tightened.tolist(), strict=True))
     rest = solve_static(system, Load(bolt_forces=bolts, name=ENDS))
@@ -167,7 +167,7 @@ def _states_at(system: System, inputs: Matrix, bent: Sequence[str]) -> list[Case
 def loosest_forces(
     system: System, rest: CaseState, ranges: Mapping[str, PreloadRange]
 ) -> Vector | None:
-    """Return the initial forces (n_bolt,) at P_p,min of all bolts; None where nothing scatters."""
+    """Return the initial forces (n_bolt,) at P_p,min of all bolts; None without scatter."""
     nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
     ends = ends_of(nominal, ranges)
     return initial_forces_at(system, ends[LEAST]) if LEAST in ends else None
@@ -183,7 +183,7 @@ def with_initial(joint: Joint, inputs: Matrix, initial: Vector | None) -> Matrix
 
 
 def initial_forces_at(system: System, forces: Mapping[str, float]) -> Vector:
-    """Return the initial forces (n_bolt,) at which bolts have forces at rest, without friction."""
+    """Return the initial forces (n_bolt,) for given bolt forces at rest, without friction."""
     joint = smooth_joint(system.joint if isinstance(system, ReducedModel) else system)
     names, locked = list(joint.bolts), initial_bolt_forces(joint)
     chosen = np.array([names.index(name) for name, force in forces.items() if force > 0])
@@ -195,7 +195,7 @@ def initial_forces_at(system: System, forces: Mapping[str, float]) -> Vector:
 
 
 def state_of(solution: Solution, rows: slice, bent: Iterable[str]) -> CaseState:
-    """Return cases or increments of a solution, as they are judged, with some bolts' bending."""
+    """Return cases or increments of a solution as a state, with the bending of some bolts."""
     system = solution.system
     return CaseState(
         pressure=solution.pressure.reshape(-1, system.contact.n_points)[rows],
@@ -215,20 +215,20 @@ def _shifted(state: CaseState, shifts: Mapping[str, float], rest: CaseState) -> 
 
 @dataclass(frozen=True, kw_only=True)
 class BoltStrengths:
-    """What the strength of bolts is judged by.
+    """Data for the strength of bolts.
 
     Attributes
     ----------
     threads
-        Of the bolts whose size and grade are known.
+        Threads of the bolts with known size and grade.
     ranges
-        Of the preloads.
+        Ranges of the preloads.
     tightened : [force]
-        Bolt to the force it was tightened to.
+        Bolt to its force during tightening.
     temperatures
-        Name to what every static load case may have beside its loads.
+        Name to a temperature that may act with every static load case.
     smallest_friction
-        Coefficient of the interfaces with friction, where it scatters.
+        Smallest coefficients of the interfaces with friction, where they scatter.
     """
 
     threads: Mapping[str, Thread] = field(default_factory=dict)

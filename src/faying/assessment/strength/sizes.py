@@ -1,8 +1,8 @@
 """Sizes of bolts by name: thread, hexagon head, washer and hole.
 
 Facts of ISO 261 (pitch), ISO 4014 (washer face d_w of hexagon heads), ISO 4762 (of socket heads),
-ISO 7089 (plain washers) and ISO 273 (clearance holes, medium series); inch sizes say diameter and
-threads an inch themselves.
+ISO 7089 (plain washers) and ISO 273 (clearance holes, medium series); names of inch sizes contain
+diameter and threads an inch.
 """
 
 import re
@@ -67,20 +67,20 @@ HEADS = ("ISO 4014", "ISO 4762", "ISO 7089")
 
 @dataclass(frozen=True, kw_only=True)
 class Size:
-    """A thread by its name, and what usually goes with it.
+    """Dimensions of a thread size, and of its usual head and hole.
 
     Attributes
     ----------
     diameter, pitch : [m]
         d and P.
     unified
-        Whether the thread is of inches, whose stress area is another.
+        Whether it is an inch thread, which has another stress area.
     face : [m]
         d_w, outer diameter of the face under the head; None where the table has none.
     hole : [m]
         d_h of the clearance hole.
     bearing : [m]
-        Outer diameter of what presses the plate: the face, or a washer.
+        Outer diameter of the bearing area: that of the face, or of a washer.
     """
 
     diameter: float
@@ -107,10 +107,10 @@ def size_named(name: str, head: str = HEADS[0]) -> Size:
 
 
 def size_through(hole: float) -> str | None:
-    """Return the metric size whose clearance hole has a diameter [m]; None where none has."""
+    """Return the metric size for a clearance hole of a diameter [m]; None if there is none."""
     nearest = min(HEXAGON, key=lambda size: abs(HEXAGON[size][2] * MILLIMETRE - hole))
-    # Pipe flanges (EN 1092) have 14 mm for M12 and 18 for M16, 3.6 and 2.8 % wider than listed;
-    # listed holes differ by 6 % or more.
+    # Pipe flanges (EN 1092) have 14 mm for M12 and 18 mm for M16, 3.6 and 2.8 % wider than here;
+    # holes of neighbouring sizes differ by 6 % or more.
     fits = abs(HEXAGON[nearest][2] * MILLIMETRE / hole - 1) < 2 * ROUND
     return f"M{nearest:g}" if fits else None
 

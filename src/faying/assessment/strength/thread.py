@@ -31,7 +31,7 @@ FLANK = float(1 / np.cos(np.pi / 6))
 
 @dataclass(frozen=True, kw_only=True)
 class Thread:
-    """The thread of a bolt, its grade, and what it bears on.
+    """The thread of a bolt, its grade, and its bearing area.
 
     Attributes
     ----------
@@ -40,24 +40,24 @@ class Thread:
     pitch : [length]
         P.
     grade
-        As ``"8.8"``: tensile strength of 800 MPa, of which it yields at 0.8; or ``"A2-70"``,
-        ``"SAE 5"``. Empty where ``strength`` is given, or nothing is known.
+        As ``"8.8"``: tensile strength of 800 MPa, yield strength 0.8 of it; or ``"A2-70"``,
+        ``"SAE 5"``. Empty where ``strength`` is given, or it is unknown.
     strength
-        In place of that of the grade.
+        Strength in place of that of the grade.
     unified
         Whether it is an inch thread.
     friction
-        μ_G in the thread while the nut is turned; without it nothing twists.
+        μ_G in the thread during tightening; None is no torsion.
     head_friction
-        μ_K under the head or nut that is turned.
+        μ_K under the turned head or nut.
     head_diameter : [length]
-        D_Km, mean diameter of the area that rubs under the head or nut that is turned.
+        D_Km, mean diameter of the friction area under the turned head or nut.
     bearing : [length]
-        Outer and inner diameter of the area that presses under head and nut.
+        Outer and inner diameter of the bearing area under head and nut.
     pressure_limit : [force/length²]
-        p_G, what the plate under the head bears.
+        p_G, the limiting surface pressure of the plate under the head.
     engagement : [length]
-        Length of the thread that is engaged.
+        Length of thread engagement.
 
     Examples
     --------
@@ -106,17 +106,17 @@ class Thread:
         Parameters
         ----------
         units
-            Consistent unit set of its lengths.
+            Consistent unit set of the lengths.
         head
             ``"ISO 4014"`` hexagon, ``"ISO 4762"`` socket, ``"ISO 7089"`` hexagon on a washer.
         **others
-            Other attributes; bearing and head_diameter are those of the head on a clearance hole
-            (ISO 273) unless given, where the size has one.
+            Other attributes; bearing and head_diameter are by default those of the head on a clearance
+            hole (ISO 273), if the size has one.
 
         Raises
         ------
         ModelError
-            If no size is called so, or it is not known what a length is in these units.
+            If the size is unknown, or the unit of length.
         """
         unit, listed = _metres(units), size_named(size, head)
         if listed.face is not None and listed.hole is not None and listed.bearing is not None:
@@ -137,7 +137,7 @@ class Thread:
 
     @property
     def stress_diameter(self) -> float:
-        """d_S = (d₂ + d₃)/2, of inch threads d − 0.9743 P (ASME B1.1) [length]."""
+        """d_S = (d₂ + d₃)/2, for inch threads d − 0.9743 P (ASME B1.1) [length]."""
         if self.unified:
             return self.diameter - 0.9743 * self.pitch
         root = self.diameter - 17 / 12 * np.sqrt(3) / 2 * self.pitch
@@ -150,7 +150,7 @@ class Thread:
 
     @property
     def minor_area(self) -> float:
-        """A_3 of the minor diameter d₃ = 2 d_S − d₂ [length²]."""
+        """A_3 at the minor diameter d₃ = 2 d_S − d₂ [length²]."""
         minor = 2 * self.stress_diameter - self.pitch_diameter
         return float(np.pi / 4 * minor**2)
 
@@ -185,7 +185,7 @@ class Thread:
 
 
 def _metres(units: str) -> float:
-    """Return how many metres the unit of length is."""
+    """Return the unit of length in metres."""
     length = units.split("-")[0]
     if length not in LENGTHS:
         refuse_model(f"a size is a length, and what that is in {units} is not known")
@@ -199,16 +199,16 @@ class ThreadStress:
     Attributes
     ----------
     axial : [force/length²]
-        Axial stress σ_z = F_S / A_S, with bending at the instant where both are worst together.
+        Axial stress σ_z = F_S / A_S; with bending, at the instant of the largest sum of both.
     bending : [force/length²]
         Bending stress σ_b = M_b / W_S of the outer fibre at that instant; None where unknown.
     torsion : [force/length²]
-        Shear stress τ that tightening leaves; zero where the friction of the thread is not given.
+        Shear stress τ from tightening; zero if the friction of the thread is not given.
     reduced : [force/length²]
         σ_red,B = √((σ_z + σ_b)² + 3 (k_τ τ)²), section 5.5.2, there without σ_b.
     amplitude : [force/length²]
-        σ_a, half the range of σ_z, section 5.5.3; with bending of the fibre whose stress has the
-        largest range.
+        σ_a, half the range of σ_z, section 5.5.3; with bending, for the fibre with the largest
+        range of stress.
     proof : [force/length²]
         Proof stress R_p0.2 of the grade.
     safety : [1]
@@ -227,11 +227,11 @@ class ThreadStress:
 def thread_stress(
     thread: Thread, preload: float, forces: Vector, moments: Matrix | None, units: str
 ) -> ThreadStress:
-    """Return the stress in a thread that is tightened to a preload [force].
+    """Return the stress in a thread after tightening to a preload [force].
 
     Bolt forces in service are (n_instant,) [force], bending moments with them (n_instant, 2, 2)
-    [force·length] by end and component across the axis. The thread is taken to be where they are
-    larger.
+    [force·length] by end and component across the axis. The thread is assumed at the end with the
+    larger moments.
     """
     stresses = forces / thread.stress_area
     bent = None if moments is None else moments / thread.section_modulus
@@ -253,7 +253,7 @@ def thread_stress(
 
 
 def tightening_stress(thread: Thread, preload: float) -> float:
-    """Return σ_red,M while it is tightened, with all of the torsion [force/length²]."""
+    """Return σ_red,M during tightening, with the full torsion [force/length²]."""
     return float(np.hypot(preload / thread.stress_area, np.sqrt(3) * torsion_of(thread, preload)))
 
 
@@ -268,7 +268,7 @@ def working_stress(
 
 
 def torsion_of(thread: Thread, preload: float) -> float:
-    """Return τ that tightening leaves [force/length²]; zero without friction in the thread."""
+    """Return τ from tightening [force/length²]; zero without friction in the thread."""
     if thread.friction is None:
         return 0.0
     lead = thread.pitch / (np.pi * thread.pitch_diameter)
@@ -277,7 +277,7 @@ def torsion_of(thread: Thread, preload: float) -> float:
 
 
 def _outer(stresses: Vector, bent: Matrix | None) -> Vector:
-    """Return the bending stress of the outer fibre at the end where it is larger."""
+    """Return the bending stress of the outer fibre at the end with the larger one."""
     if bent is None:
         return np.zeros_like(stresses)
     return np.asarray(np.linalg.norm(bent, axis=-1).max(axis=-1))
@@ -299,5 +299,5 @@ def fibre_stresses(thread: Thread, forces: Vector, moments: Matrix | None) -> Ma
 
 
 def largest_amplitude(stresses: Matrix) -> float:
-    """Return half the largest range of a fibre."""
+    """Return half the largest range of stress of a fibre."""
     return float(np.ptp(stresses, axis=0).max()) / 2

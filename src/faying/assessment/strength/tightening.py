@@ -1,9 +1,9 @@
-"""What force a bolt is tightened to: by its torque, or by how far it is used; and its scatter.
+"""The preload of a bolt from its tightening torque or utilisation, and its scatter.
 
-A torque gives F_M = M_A / (P/(2π) + d₂/2 1.155 μ_G + D_Km/2 μ_K). Used to ν of its yield stress
-while it is twisted, σ² + 3 τ² = (ν R_p0.2)² with σ = F_M / A_S (VDI symbols). The extremes are
-c (1 ± Γ) F_M (NASA-STD-5020B 4.3.1, eqs. 3 to 5), with Γ = (α_A − 1)/(α_A + 1) of a tightening
-factor α_A = F_max / F_min about the mean.
+A torque gives F_M = M_A / (P/(2π) + d₂/2 1.155 μ_G + D_Km/2 μ_K). A utilisation ν of the yield
+strength under tension and torsion gives σ² + 3 τ² = (ν R_p0.2)² with σ = F_M / A_S (VDI symbols).
+The extremes are c (1 ± Γ) F_M (NASA-STD-5020B 4.3.1, eqs. 3 to 5), with Γ = (α_A − 1)/(α_A + 1) for
+a tightening factor α_A = F_max / F_min about the mean.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from faying.exceptions import ModelError, refuse_model
 
 
 def force_of_torque(thread: Thread, torque: float) -> float:
-    """Return the preload F_M that a torque gives [force]."""
+    """Return the preload F_M for a torque [force]."""
     if thread.friction is None or thread.head_friction is None:
         refuse_model("a torque gives a preload by friction; give thread_friction and head_friction")
     ratio = thread.torque_per_force(np.array([thread.friction]), np.array([thread.head_friction]))
@@ -23,7 +23,7 @@ def force_of_torque(thread: Thread, torque: float) -> float:
 
 
 def force_of_utilisation(thread: Thread, utilisation: float, units: str) -> float:
-    """Return the preload F_M at which tension and torsion use a share of the yield stress [force].
+    """Return the preload F_M for a utilisation of the yield strength by tension and torsion [force].
 
     Raises
     ------
@@ -39,20 +39,20 @@ def force_of_utilisation(thread: Thread, utilisation: float, units: str) -> floa
 
 @dataclass(frozen=True, kw_only=True)
 class PreloadRange:
-    """How far the preload of a bolt may be from its nominal one, NASA-STD-5020B 4.3.1.
+    """Range of the preload of a bolt about its nominal value, NASA-STD-5020B 4.3.1.
 
     Attributes
     ----------
     variation
         Γ.
     loss
-        Share of P_pi,min that relaxation takes, P_pr: 0.05 of all-metallic joints.
+        Share of P_pi,min lost by relaxation, P_pr: 0.05 for all-metallic joints.
     creep : [force]
         P_pc.
     gained, lost : [force]
-        P_Δt,max and P_Δt,min, what temperature adds and takes at most.
+        P_Δt,max and P_Δt,min, the largest gain and loss by temperature.
     least_control, most_control
-        c_min and c_max of the parameter that is controlled, as torque over the nominal one.
+        c_min and c_max of the controlled parameter, as torque over the nominal one.
     """
 
     variation: float = 0.0
@@ -73,12 +73,12 @@ class PreloadRange:
         return self.most_control * (1 + self.variation) * nominal + self.gained
 
     def least(self, nominal: float, fasteners: int = 1) -> float:
-        """Return P_p,min [force], eq. (2) with (4), or (5) where n_f fasteners act together."""
+        """Return P_p,min [force], eq. (2) with (4), or (5) for n_f fasteners together."""
         variation = self.variation / np.sqrt(fasteners)
         initial = self.least_control * (1 - variation) * nominal
         return float(initial * (1 - self.loss) - self.creep - self.lost)
 
 
 def variation_of(tightening_factor: float) -> float:
-    """Return Γ of a tightening factor α_A."""
+    """Return Γ for a tightening factor α_A."""
     return (tightening_factor - 1) / (tightening_factor + 1)
