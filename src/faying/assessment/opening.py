@@ -93,8 +93,8 @@ def opening_factors(
 ) -> Openings:
     """Return the factors at which a joint without friction opens under a static load.
 
-    An area of points (n_point,) opens where less than a share of what is pressed at rest is left: 0
-    is nothing, 1 all. The search ends at :data:`~faying.assessment.growth.LARGEST_FACTOR`.
+    An area of points (n_point,) opens where less than a share of its part under pressure at rest
+    is left. The search ends at :data:`~faying.assessment.growth.LARGEST_FACTOR`.
 
     Raises
     ------

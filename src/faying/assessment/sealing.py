@@ -1,8 +1,7 @@
 """Sealing: the pressure on the best closed ring around a hole of an interface.
 
 A fluid inside the hole leaks along the path with the smallest maximum of pressure. That maximum is
-also the smallest pressure on the best closed ring around the hole, since every path crosses every
-ring.
+also the smallest pressure on the best closed ring, since every path crosses every ring.
 """
 
 from collections.abc import Sequence

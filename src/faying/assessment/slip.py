@@ -27,8 +27,7 @@ class SlipStates:
     status : (n_increment, n_point)
         0 open, 1 stick, 2 slip.
     open_share, stick_share, slip_share : (n_increment,)
-        Shares of the area of all interfaces with friction; their sum is one (zero without
-        friction).
+        Shares of the area of all interfaces with friction; zero without friction.
     macroslip : (n_increment,)
         Whether all closed points slip on some interface with friction.
     """

@@ -73,7 +73,7 @@ def wanted_clamps(
 def _pressure_verdict(
     requirement: str, limit: float | None, peaks: Mapping[tuple[str, str], float]
 ) -> Iterator[Verdict]:
-    """Return the verdict on the largest pressures of the interfaces, each with its case."""
+    """Yield the verdict on the largest pressures of the interfaces, each with its case."""
     if limit is None:
         return
     (name, case), value = find_most(peaks)

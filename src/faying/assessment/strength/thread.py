@@ -110,8 +110,8 @@ class Thread:
         head
             ``"ISO 4014"`` hexagon, ``"ISO 4762"`` socket, ``"ISO 7089"`` hexagon on a washer.
         **others
-            Other attributes; bearing and head_diameter are by default those of the head on a clearance
-            hole (ISO 273), if the size has one.
+            Other attributes; bearing and head_diameter are by default those of the head on a
+            clearance hole (ISO 273), if the size has one.
 
         Raises
         ------

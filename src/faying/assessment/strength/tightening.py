@@ -23,7 +23,7 @@ def force_of_torque(thread: Thread, torque: float) -> float:
 
 
 def force_of_utilisation(thread: Thread, utilisation: float, units: str) -> float:
-    """Return the preload F_M for a utilisation of the yield strength by tension and torsion [force].
+    """Return the preload F_M for a share of the yield strength in tension and torsion [force].
 
     Raises
     ------
