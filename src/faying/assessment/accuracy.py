@@ -14,7 +14,7 @@ from faying.exceptions import refuse_model
 from faying.simulation.solution import Solution
 
 Compared: TypeAlias = Solution | Recovered
-"""What is compared: solutions, and what was recovered from them."""
+"""Types that can be compared: solutions, and recovered ones."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

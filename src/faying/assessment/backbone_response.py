@@ -33,16 +33,16 @@ from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
 
 MODE_RANGE = 2.0
-"""Modes are linear ones of their own up to this multiple of the highest frequency."""
+"""Other modes are included, as linear ones, up to this multiple of the highest frequency."""
 
 HONEST = (
     "on a small lap joint peaks were 1 to 3 % off where friction took less than half of the loss, "
     "flanks up to 13 %, and the peak 17 % where a multiple of the frequency met another mode"
 )
-"""How far curves from a backbone are right."""
+"""Text on the accuracy of curves from a backbone."""
 
 LARGEST_FRICTION_DAMPING = 0.5
-"""Damping of friction over that of the mode from which peaks were seen to be 3 % off."""
+"""Friction damping over that of the mode above which errors of peaks of 3 % were observed."""
 
 
 def backbone_response(

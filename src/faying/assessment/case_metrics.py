@@ -23,7 +23,7 @@ from faying.simulation.solution import Solution
 PRESSURE = "force/length²"
 
 WEAK_SHARE = "weak_share."
-"""What names of metrics of weak springs begin with."""
+"""Prefix of the names of metrics of weak springs."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class _Cases:
 
 
 Group = tuple[list[Metric], Callable[[_Cases], Sequence[Vector]]]
-"""Metrics, and what takes cases to their columns (n_case,)."""
+"""Metrics, and the function from cases to their columns (n_case,)."""
 
 
 def metrics_of(

@@ -84,10 +84,10 @@ def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosu
 
 
 Measure = Literal["energy_error", "contact_force_error", "max_relative_error"]
-"""Certified quantities that a tolerance or a search may refer to."""
+"""Certified quantities for tolerances and searches."""
 
 POWERS = (1, 2, 4)
-"""Powers of the candidate that weigh the means from which the largest pressure is bounded."""
+"""Powers of the candidate as weights of means, which bound the largest pressure."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

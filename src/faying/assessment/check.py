@@ -6,10 +6,10 @@ from typing import Literal
 import numpy as np
 
 Outcome = Literal["met", "not met", "unknown"]
-"""What a check says."""
+"""Outcome of a check."""
 
 PartKind = Literal["bolt", "interface"]
-"""What is checked of a joint."""
+"""Kinds of checked parts of a joint."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -34,10 +34,10 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
 
 FEWEST_MODES, MOST_MODES = 5, 320
-"""Normal modes that are tried first, then twice as many, and so on, and last."""
+"""First and last number of normal modes to try; each is twice the one before."""
 
 LARGEST_RATIO = 1.25
-"""Estimated error over the least of all from which on fewer modes are not as good as more."""
+"""Estimated error over the least of all below which fewer modes are as good as more."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -38,7 +38,7 @@ class Envelope:
 
 
 PICKS = {"max_pressure": np.argmax, "min_pressure": np.argmin, "max_gap": np.argmax}
-"""Which of several values of a point counts."""
+"""Function that picks the extreme of several values of a point."""
 
 
 def envelope_of(solution: Solution, rows: Indices) -> Envelope:

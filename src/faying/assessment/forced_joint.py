@@ -28,20 +28,19 @@ from faying.simulation.solution import Solution
 from faying.simulation.stuck_rest import StuckRest
 
 FEWEST, MOST, MORE = 3, 15, 3
-"""Harmonics that are tried first, at most, and besides."""
+"""First and largest number of harmonics, and the number added."""
 
 MODE_SPAN = 1.5
-"""Modes take part up to this multiple of the highest harmonic, with fewer than FEWEST as with so
-many."""
+"""Modes take part up to this multiple of the highest harmonic, or of harmonic FEWEST if higher."""
 
 PER_HARMONIC, FEWEST_SAMPLES = 16, 64
 """Samples of a period: amplitudes at 64 and 128 differed by 0.3 %."""
 
 MEETING_WIDTH = 0.3
-"""How far (kω/ω_m)² is from one where harmonic k meets a mode."""
+"""Largest distance of (kω/ω_m)² from one at which harmonic k meets a mode."""
 
 LARGEST_IMBALANCE = 0.02
-"""Work of the load that damping and friction may miss before it is said."""
+"""Relative imbalance of work and dissipation above which there is a remark."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,21 +15,19 @@ from faying.iterations import MOST_HALVINGS
 State = TypeVar("State")
 
 Event = Callable[[State, State], float]
-"""What is left, after an increment and before it, until something happens: zero or less if it has.
+"""Function of the states after and before an increment: positive before an event, else not.
 
-Of what only happens or not it is infinite, or minus infinity; a number is that of the state after
-alone.
+Events without a number have infinity and minus infinity; numbers depend on the state after alone.
 """
 
 PRECISION, SMALLEST_WIDTH = 1e-3, 1e-6
-"""Width of the interval in which a factor is found, over the factor: of what only happens or not,
-and of what a number says."""
+"""Final width of the interval of a factor, over it: for events without and with a number."""
 
 DEFAULT_INCREMENTS = 10
 """Increments from the preload to a static load, and of a quarter of a cycle."""
 
 LARGEST_FACTOR = 10.0
-"""Load factor at which the search is given up."""
+"""Largest load factor of a search."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -99,7 +97,7 @@ def first_events(
 
 
 Reached = dict[float, State]
-"""Load factors of an increment to the states that the path went to, both ends among them."""
+"""Load factors in an increment to the solved states there, both ends included."""
 
 
 def _cut_by_chords(

@@ -17,14 +17,14 @@ from faying.exceptions import ModelError, refuse_model
 from faying.simulation.cycles import STATIONARY
 
 STEP = 0.02
-"""Share of a range by which derivatives differ.
+"""Share of a range as step for derivatives.
 
-Cycles repeat to 1e-3 of their energy, which is the noise of a damping ratio: a step that changes it
-by a few percent keeps that noise to a few percent of the derivative.
+Cycles repeat to 1e-3 of their energy, which is the noise of a damping ratio: if a step changes it
+by a few percent, the noise is a few percent of the derivative.
 """
 
 Compute = Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Backbone]]]
-"""From values of the parameters, one mapping a trial, to backbones by the name of the curve."""
+"""Function from parameter values, one mapping a trial, to backbones by the name of the curve."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -310,7 +310,7 @@ def _judged(
 
 
 SMALLEST_NAMED_SHARE = 0.3
-"""Share of a direction from which on a parameter is named as part of it."""
+"""Least share of a parameter in a direction to be named in it."""
 
 
 def _combination(names: Sequence[str], direction: Vector) -> str:

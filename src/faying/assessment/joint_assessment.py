@@ -31,11 +31,11 @@ from faying.model.bolt import Bolt
 from faying.units import Units
 
 SMALLEST_AXIAL_SHARE = 0.2
-"""Axial load over all that changes in a bolt and around it, from which it has a load factor.
+"""Axial load over all force changes in a bolt and around it, above which a load factor is given.
 
-Where a load lifts a flange off one has up to all of it, 0.4 to 0.6 on a tee and a pipe flange that
-are pulled; where it bends or turns, pressure that is lost on one side of the bolt comes on the
-other, and 0 to 0.03 are left, of any sign.
+It is up to one where a load lifts a flange off, 0.4 to 0.6 on a tee and a pipe flange in tension.
+Where a load bends or turns the joint, pressure moves from one side of the bolt to the other, and
+the ratio is 0 to 0.03, of any sign.
 """
 
 
@@ -118,7 +118,7 @@ def judged(
 
 
 LOOSE = ("opening", "slip")
-"""What is judged at the end of the scatter where bolts are loosest."""
+"""Quantities judged at the least preloads."""
 
 
 def loosest_checks(loose: Assessment, units: Units) -> tuple[Check, ...]:

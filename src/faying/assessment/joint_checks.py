@@ -25,10 +25,10 @@ OF_AREA = "% of what the preload presses"
 """Unit of open areas."""
 
 NO_THREAD = "add its size and grade"
-"""Why nothing is known of the strength of a bolt."""
+"""Remedy for an unknown strength of a bolt."""
 
 NO_COEFFICIENT = "no coefficient of friction: give slip_friction"
-"""Why nothing is known of slip along an interface."""
+"""Reason for unknown slip along an interface."""
 
 
 def joint_checks(

@@ -49,7 +49,7 @@ from faying.simulation.static import AT_REST, solve_static_cases
 from faying.units import units_of
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
-"""Why nothing is known of slip by sums in files of earlier versions."""
+"""Reason for unknown slip by sums with files of earlier versions."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

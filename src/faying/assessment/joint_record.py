@@ -112,7 +112,7 @@ def _largest(moments: Matrix) -> float:
 
 
 REST = "at rest"
-"""What the preloaded joint is called among load cases, of studies that load it by nothing else."""
+"""Name of the preloaded joint as a load case, in studies without loads."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

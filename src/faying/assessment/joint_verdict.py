@@ -20,7 +20,7 @@ AT_LEAST = (
     "pressure on the ring",
     "fatigue safety",
 )
-"""What checks whose value must not be below the limit begin with."""
+"""Prefixes of checks with a lower limit."""
 
 MOST_NAMED = 3
 """Worst checks that the sentence names, of all that the table has, and worst cases that the full

@@ -23,10 +23,10 @@ class StillModeError(ModelError):
 
 
 MULTIPLES, SAMPLES = (2, 3, 4, 5), 256
-"""Multiples of the frequency at which other modes are looked for, and instants of a cycle."""
+"""Multiples of the frequency to compare with other modes, and instants of a cycle."""
 
 RESONANCE_WIDTH = 0.5
-"""How far the square of a multiple may be from that of another mode, over it, to meet it."""
+"""Largest relative difference of the squares of a multiple and another mode's frequency to meet."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -19,7 +19,7 @@ from faying.simulation.load import InputRow, NamedLoad
 from faying.simulation.path import path_inputs, solve_ends
 
 QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
-"""Of the tightenings, below which the values that are told lie."""
+"""Reported quantiles over the tightenings."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from faying.exceptions import ModelError
 
 OPEN_BELOW = 0.5
-"""Share of the area pressed at rest below which an area is open, unless another is named."""
+"""Default share of the area pressed at rest below which an area is open."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,7 +24,7 @@ from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_windows import transient_windows
 
 MOST_AMPLITUDES = 24
-"""Amplitudes at most, each twice the one before: seven decades."""
+"""Most amplitudes, each twice the one before: seven decades."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -92,13 +92,13 @@ def resonance(
 
 
 STEPS = 400
-"""Steps of a period: twice as many changed amplitudes by 0.08 % and phases by 0.1°."""
+"""Time steps of a period: twice as many changed amplitudes by 0.08 % and phases by 0.1°."""
 
 RISE, PIECE, MOST = 20, 10, 600
-"""Periods over which the load rises, after which the motion is looked at again, and at most."""
+"""Periods over which the load rises, between two checks of the motion, and at most."""
 
 SETTLED = 2e-3
-"""Change that is still to come, over the amplitude, at which a motion has settled."""
+"""Relative change still to come at which a motion is steady."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

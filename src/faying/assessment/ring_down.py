@@ -22,7 +22,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.transient import solve_transient
 
 FEWEST_SWINGS = 3
-"""Half swings from which a damping ratio is told, and periods from which several are."""
+"""Fewest half periods for a damping ratio, and fewest periods for several."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -9,7 +9,7 @@ from faying._typing import ComplexVector, Matrix, Vector
 from faying.exceptions import refuse_model
 
 FEWEST = 5
-"""Points of a response: five real unknowns of two numbers each need three, and some to spare."""
+"""Fewest points of a response: six real unknowns need three complex values, plus a margin."""
 
 
 @dataclass(frozen=True, kw_only=True)

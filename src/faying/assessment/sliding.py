@@ -19,9 +19,9 @@ from faying._typing import Matrix, Vector
 from faying.digits import DECK_DIGITS, SOLVED
 
 LARGEST_LIFT = 0.1
-"""Motion across the interface over all of it, as root mean squares, that counts as none.
+"""Normal motion over all motion, as root mean squares, below which a motion is tangential.
 
-Around a circle of 24 flat facets it is 0.075, at a right angle to slopes of 6 degrees 0.1.
+Around a circle of 24 flat facets it is 0.075, across slopes of 6 degrees 0.1.
 """
 
 

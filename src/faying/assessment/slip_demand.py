@@ -27,11 +27,11 @@ MOST_PASSES = 1000
 """Passes after which the search for the point of the least mean arm ends.
 
 Of 160 sets of 20 random pressures on points, lines and grids 23 need more for some; their arm is
-then 4e-5 of itself too long at most.
+then too long by 4e-5 at most.
 """
 
 SMALLEST_FRICTION = DECK_DIGITS
-"""Coefficient needed that is none: below that of any two surfaces; balance leaves 1e-14."""
+"""Needed coefficient that counts as zero, below that of any surfaces; round-off is 1e-14."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,7 +71,7 @@ class SlipDemand:
 
 
 NO_DEMAND = SlipDemand()
-"""Of an area on which no static load case acts."""
+"""Demand of an area without static load cases."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

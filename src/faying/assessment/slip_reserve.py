@@ -25,23 +25,23 @@ from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 
 ONSET_SHARE = 0.05
-"""Share of the area in contact whose slip is called the onset of slip.
+"""Slipping share of the area in contact that defines the onset of slip.
 
-Of points that tightening left sticking. Tractions that tightening leaves go up to their bounds
-without a gap, so that a first point can slip under next to no load.
+Of points that stick after tightening. Tractions after tightening go continuously up to their
+bounds, so that a first point can slip under nearly no load.
 """
 
 SLIDING_SHARE = 0.9
-"""Share of the friction against one rigid motion from which an interface slips as a whole.
+"""Used share of the friction against one rigid motion above which an interface slips as a whole.
 
-When everything first slips it is 0.9 to 1 where sides slide over each other, and 0 to 0.01 where a
-load bends a joint and slip here cancels slip there (``docs/how-to/follow_friction.md``).
+When all points first slip it is 0.9 to 1 if the sides slide over each other, and 0 to 0.01 if a
+load bends the joint and tangential forces cancel (``docs/how-to/follow_friction.md``).
 """
 
 SPENT_SHARE = 0.97
-"""Sum of tangential forces over that of their bounds from which everything slips.
+"""Sum of tangential forces over that of their bounds above which all points count as slipping.
 
-Single points that turn around stick for an increment, whenever there is one.
+Single points stick for an increment when their direction reverses.
 """
 
 
@@ -197,7 +197,7 @@ def slip_reserve(
 
 
 AREA = "area "
-"""Prefix of the events that are openings."""
+"""Prefix of opening events."""
 
 
 def followed_openings(reserves: Mapping[str, SlipReserve]) -> dict[str, Openings]:

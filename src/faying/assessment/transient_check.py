@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 LARGEST_DIFFERENCE = 0.01
-"""Difference of amplitudes up to which both agree."""
+"""Largest relative difference of amplitudes in agreement."""
 
 
 @dataclass(frozen=True, kw_only=True)

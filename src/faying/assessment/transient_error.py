@@ -29,13 +29,13 @@ from faying.simulation.solution import Solution
 from faying.simulation.transient import solve_transient
 
 FORCE_PATTERNS = 20
-"""Patterns of contact forces that get inertia; the rest is below 1 % of the first of them."""
+"""Number of patterns of contact forces with inertia; others are below 1 % of the first."""
 
 KRYLOV_SHAPES = 3
-"""Krylov shapes of each pattern: its static shape, the one under the inertia of that, and on."""
+"""Krylov shapes of each pattern: its static shape, the static shape of its inertia, and so on."""
 
 OBSERVED_RATIOS = (0.4, 2.7)
-"""Least and most estimate over the true largest error (``benchmarks/transient_estimate.py``)."""
+"""Smallest and largest ratio of estimated to true error (``benchmarks/transient_estimate.py``)."""
 
 OBSERVED_ON = (
     "two lap joints, a pipe flange, and a tee, a bracket, a hub and a roof joint from a mesher (10 "
@@ -44,28 +44,28 @@ OBSERVED_ON = (
 )
 
 TRACTIONS_OBSERVED = "of tractions 0.7 to 2.2 times with friction on lap joints, a tee, a bracket"
-"""Said where tractions are estimated too (the same benchmark)."""
+"""Text on estimates of tractions (from the same benchmark)."""
 
 LARGE_ERROR = 0.03
-"""Estimated error from which a remedy is named, unless a tolerance is stated."""
+"""Default estimated error above which a remedy is named."""
 
 REMEDY = "compliance+inertia"
-"""Method that has the inertia whose lack is estimated."""
+"""Method with the inertia whose lack is estimated."""
 
 HINT = (
     f"Method '{REMEDY}' has the inertia that is missing: name it under [reduction] methods to "
     "compare it (docs/theory/transient_accuracy.md says what it is worth and costs)."
 )
-"""For methods with a residual compliance, which lack nothing but inertia."""
+"""Hint for methods with a residual compliance, which lack only inertia."""
 
 EXACT = "compliance"
-"""Method whose static pressures are those of the full model."""
+"""Method with the static pressures of the full model."""
 
 STATIC_HINT = (
     "{methods}: the flexibility of the interface is missing, so that static pressures are off "
     f"too. Method '{EXACT}' has it: name it under [reduction] methods to compare it."
 )
-"""For methods that see contact through their basis only."""
+"""Hint for methods without residual compliance."""
 
 NO_TRANSIENT = "only a transient of a reduced model can be judged by a model with more inertia"
 

@@ -198,16 +198,16 @@ NO_SUMS = (
     "leave it out of slip_friction, add a sticking area, or demand min_sliding_factor of a joint "
     "with friction"
 )
-"""What to do where sums of forces tell nothing."""
+"""Remedy where slip by sums is unknown."""
 
 NO_FRICTION = "it is judged by static loads and cycles of joints with friction, and there is none"
-"""Why nothing is known of sliding where no load is followed with friction."""
+"""Reason for unknown sliding without load paths with friction."""
 
 NO_SLIP = (
     "it is judged by static loads or cycles with a coefficient of friction: add what is missing, "
     "the coefficient to the interface or as slip_friction"
 )
-"""Why nothing is known of slip where no load and coefficient tells of it."""
+"""Reason for unknown slip without static loads or a coefficient."""
 
 
 def ring_surface(ring: ClosedRing, surfaces: Mapping[str, ContactSurface]) -> str:

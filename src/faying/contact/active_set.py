@@ -98,7 +98,7 @@ MOST_INTERIOR = 100
 """Newton steps through interior points; 15 to 45 are usual."""
 
 INSIDE = 0.995
-"""Share of the way to the bounds that a step through interior points goes at most."""
+"""Largest share of the distance to the bounds in a step through interior points."""
 
 ROUND_OFF = 1e-13
 """Sign violations below this fraction of the largest |g_free| are noise of the factorization."""

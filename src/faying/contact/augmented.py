@@ -36,25 +36,25 @@ from faying.iterations import MOST_STEPS, MOST_TRIALS
 from faying.linalg.threads import threads_for
 
 LEVELS, USUAL = tuple(10.0**n for n in range(-1, 8)), 4
-"""What the structure yields at a point over d, from level to level, and the usual one of these."""
+"""Compliance of the structure at a point over d, from level to level, and the usual level."""
 
 SMALL = 0.1
-"""Change of forces over the largest one from which harder points begin near their forces."""
+"""Change of forces over the largest force below which the next, harder level starts."""
 
 SLOW = 0.3
-"""Change of forces over that of the stage before from which points yield less from there on."""
+"""Change of forces over that of the stage before above which the added compliance is reduced."""
 
 SETTLED = 1e-6
-"""Change of forces over the largest one beyond which they may rise without end.
+"""Change of forces over the largest force above which forces may grow without limit.
 
-Where points depend on each other round-off changes what each of them takes by 1e-7.
+At linearly dependent points round-off changes the force of each by 1e-7.
 """
 
 CONTRADICTORY = (
     "points of hard contact may contradict each other where they are more than the displacements "
     "beneath them; with a penalty there always is a solution"
 )
-"""What is said where no stage is the last."""
+"""Message where stages do not converge."""
 
 
 @dataclass(frozen=True, eq=False)

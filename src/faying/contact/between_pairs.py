@@ -22,13 +22,13 @@ from faying.linalg.sparse_compliance import Compliance, SparseCompliance
 from faying.linalg.sparse_stiffness import refuse_dense
 
 REGULAR = 1e-11
-"""Smallest over largest squared pivot of S from which it has an inverse worth using.
+"""Smallest over largest squared pivot of S above which its inverse is used.
 
-Springs of 1 N/mm beside elasticity leave 1e-7, a basis of fewer modes than pairs 1e-16.
+With weak springs of 1 N/mm it is 1e-7, for a basis of fewer modes than pairs 1e-16.
 """
 
 Pressed: TypeAlias = Callable[[], Vector | None] | None
-"""Tells points (n_point,) that bolts press on, as of :meth:`.GluedPairs.of`."""
+"""Function that returns the points (n_point,) under the bolts, for :meth:`.GluedPairs.of`."""
 
 
 class BetweenPairs(Protocol):

@@ -19,7 +19,7 @@ NOT_CARRIED = (
     "solve by solve_static, solve_path or solve_transient; take certificates of the model "
     "without it"
 )
-"""Why friction is refused where nothing else is said."""
+"""Default reason in refusals of friction."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

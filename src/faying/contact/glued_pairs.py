@@ -42,7 +42,7 @@ MOST_CORRECTIONS = 15
 """Products of GMRES, which take as long as a factorization."""
 
 FEWEST_ALIKE = 8
-"""Cases side by side from which an inverse of their own is worth it: it takes as long as two."""
+"""Fewest cases side by side that are worth an inverse of their own, which takes as long as two."""
 
 
 class Condensed(Protocol):

@@ -26,16 +26,16 @@ from faying.iterations import RETRIES
 from faying.linalg.cholesky import inverse
 
 FREE, MOST_ANCHORS = 100.0, 100
-"""Motion of a pair beside that of its springs, from which a point there is kept closed.
+"""Motion of a pair over its springs' above which a point there is kept closed; most such points.
 
-Factors in single precision have seven digits. A body that weak springs alone hold has 1e5.
+Factors in single precision have seven digits. For a body on weak springs alone it is 1e5.
 """
 
 SMALLEST_SINGLE_PIVOT = 1e-4
-"""Smallest over largest squared pivot from which U in single precision serves steps.
+"""Smallest over largest squared pivot above which U in single precision suffices for steps.
 
-It leaves 6e-8 over this of a residual, which Newton's method takes down further (1e-6 on a roof and
-a flange, whose pivots have 1e-2 and 6e-2).
+The residual is then 6e-8 over this ratio, and Newton's method reduces it further (1e-6 on a roof
+and a flange with ratios of 1e-2 and 6e-2).
 """
 
 

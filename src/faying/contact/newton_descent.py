@@ -32,44 +32,44 @@ ROUND_OFF = 2e-15
 """Residual over the largest force at which a problem is solved."""
 
 QUADRATIC = 0.05
-"""Residual of a step's system, over the residual that it begins with, per what this is itself."""
+"""Residual of a step's linear system over its right-hand side, per relative residual."""
 
 LOOSE = 1e-2
-"""Largest residual of a step's system, over the one that it begins with.
+"""Largest residual of a step's linear system over its right-hand side.
 
-Increments of a flange of which nearly all slips took 16.1 s, 19.1 with 1e-3 and 15.2 with 5e-2, in
-as many steps.
+Increments of a flange with slip nearly everywhere took 16.1 s, 19.1 s with 1e-3 and 15.2 s with
+5e-2, in as many steps.
 """
 
 FORMED = 1e-4
-"""Residual over the largest force from which what steps summed up is formed once more.
+"""Residual over the largest force below which the sums of all steps are formed once more.
 
-Where weak springs hold bodies Σ and S agree to 1e-8, of which so much is left in what follows.
+With bodies on weak springs Σ and S agree to 1e-8, which limits the residual.
 """
 
 SMALLEST_FORCE_SHARE = 1e-4
-"""Part of what would hold all points closed below which the largest force is no measure."""
+"""Smallest reference for residuals, over the largest force that would hold all points closed."""
 
 LARGEST_REMAINDER = 0.5
-"""Part of slope or residual that a whole step may leave."""
+"""Largest part of slope or residual that may remain after a whole step."""
 
 FLAT = 0.1
-"""Part of the slope that a step of another length may leave."""
+"""Largest part of the slope that may remain after a step of another length."""
 
 MOST_TRIALS = 8
-"""Lengths of a step that are tried."""
+"""Largest number of tried lengths of a step."""
 
 SHORT_STEP = 0.15
 """Length of a step below which the next one fixes the friction bounds."""
 
 MOST_SHORT = 8
-"""Short steps with friction after which Newton's method has gone astray."""
+"""Short steps with friction after which Newton's method is given up."""
 
 MOST_ALONG_NORMALS = 12
 """Steps along normals alone between whole ones."""
 
 SLIP_ON_SCALE = 1.0 + 1e-9
-"""What tangential displacements are scaled by, so that points at their bound slip on at first."""
+"""Factor of tangential displacements, so that points at their friction limit start slipping."""
 
 
 class PairsOnSprings(Protocol):

@@ -14,13 +14,13 @@ from faying.contact.held_pairs import HeldPairs
 from faying.contact.point_springs import PointSprings
 
 STIFFNESS_CHANGE = 0.1
-"""Change of K at a point, over the largest K, that factors are updated by; GMRES does the rest."""
+"""Change of K at a point, over the largest K, above which factors are updated; else by GMRES."""
 
 MOST_UPDATED = 0.15
-"""Rows that factors are updated by, over their own, from which new ones take no longer."""
+"""Updated rows over all rows of factors above which new factors take no longer."""
 
 IN_CACHE = 64
-"""Rows that are gathered at once: 0.046 s for 6500 by 5500 of 8160 numbers, all at once 0.083."""
+"""Rows gathered at a time: 0.046 s for 6500 by 5500 of 8160 numbers, instead of 0.083 s for all."""
 
 
 class Room(threading.local):

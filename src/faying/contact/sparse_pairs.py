@@ -27,10 +27,10 @@ from faying.linalg.sparse_compliance import SparseCompliance
 from faying.linalg.sparse_stiffness import SparseStiffness, refuse_dense
 
 ACCURATE = 1e-8
-"""Least relative residual of a step's system."""
+"""Smallest required relative residual of a step's system."""
 
 MOST_CORRECTIONS = 20
-"""Products of GMRES; 70 take as long as a factorization, by which later steps gain as well.
+"""Most products of GMRES; 70 take as long as a factorization, which also speeds up later steps.
 
 A cold case of 3228 points on a cylinder took 4.6 factorizations with 20, 6.2 with 60.
 """

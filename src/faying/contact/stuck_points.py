@@ -28,11 +28,11 @@ from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
 
 CLOSE_TO_BOUND = 0.9
-"""Part of a bound from which a point that was stuck is watched."""
+"""Traction over its bound above which a stuck point is watched."""
 
 LEAST_GIVEN_WAY = 0.01
-"""Part of its motion that a force takes from the structure, not from the spring of its point, from
-which I − B T keeps digits in single precision: a flange has 0.24."""
+"""Share of the structure in the stiffness at a point, spring included, above which I − B T has
+enough digits in single precision: 0.24 on a flange."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

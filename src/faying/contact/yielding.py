@@ -25,9 +25,9 @@ from faying.contact.sparse_pairs import SparsePairs
 from faying.exceptions import ConvergenceError
 
 STIFFEST = 1e4
-"""Stiffness of contact at a pair over the structure's up to which displacements tell forces.
+"""Largest stiffness of contact at a pair, over the structure's, for forces from displacements.
 
-At 10 E/h it is about ten; at 1e8 gaps were off by a quarter of themselves.
+At 10 E/h it is about ten; at 1e8 gaps had errors of a quarter.
 """
 
 

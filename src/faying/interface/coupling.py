@@ -32,7 +32,7 @@ from faying.model.elements import FACES
 from faying.model.surface import Facets, facet_normals, rows_by_kind
 
 _RATIONAL_DEGREES = 8
-"""Degrees more where a facet is no parallelogram: its shape functions are then no polynomials."""
+"""Added degrees for facets other than parallelograms, with shape functions beyond polynomials."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -7,7 +7,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.model.surface import Facets, facet_normals
 
 SHARP = np.radians(15.0)
-"""Normals that turn more than this towards a corner belong to an edge or chamfer, not to an arc."""
+"""Largest turn of normals towards a corner on an arc; larger ones are edges or chamfers."""
 
 
 def arc_heights(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:

@@ -14,7 +14,7 @@ from faying.exceptions import refuse_model
 from faying.model.elements import FACES
 
 LARGEST_ORDER = 12
-"""Of quadrature on facets: skfem holds more, and no interface needs them."""
+"""Largest order of quadrature on facets: skfem has more, but no interface needs them."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,7 +15,7 @@ from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors
 
 LARGEST_GAP = 0.5
-"""Largest gap of faces that are paired, over the median size of the facets."""
+"""Largest gap of paired faces, over the median size of the facets."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -16,7 +16,7 @@ from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, rows_by_kind
 
 _SMALLEST_SHARE = 2.5 * DEFAULT_TOLERANCE
-"""Share of a facet that its neighbours' partners may cover where nodes miss by the tolerance."""
+"""Share of a facet that its neighbours' partners may cover if nodes differ by the tolerance."""
 
 
 def reach_of(assembly: Assembly, spec: InterfaceSpec, minus: Facets, plus: Facets) -> Reach | None:

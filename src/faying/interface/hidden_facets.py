@@ -18,7 +18,7 @@ from faying.model.mesh import Mesh
 from faying.model.surface import Facets, facet_centres, facet_normals
 
 _MOST_PLACES = 100_000_000
-"""Places on all rays: ten thousand facets that look through ten thousand layers of others."""
+"""Most places on all rays: ten thousand facets facing ten thousand layers of others."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -13,7 +13,7 @@ from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, facet_centres
 
 LARGEST_COSINE = -0.7
-"""Largest cosine between the outward normals of facets that lie on each other."""
+"""Largest cosine between the outward normals of facets in contact."""
 
 
 def check_no_mismatch(

@@ -25,9 +25,9 @@ from faying.model.surface import rows_by_kind
 SMALLEST_COVERAGE = 0.2
 """Coverage of a node below which its contact point joins a neighbour's.
 
-It stands for too little area to carry a pressure of its own, which hard contact would leave
-undetermined. A strip narrower than 0.45 of a facet then has one row of points; with 0.05 it had
-two, and some of them carried four times the pressure of their neighbours around a hole.
+Its area is too small for a separate pressure, which hard contact would leave undetermined. A strip
+narrower than 0.45 of a facet then has one row of points; with 0.05 it had two, and some of them had
+four times the pressure of their neighbours around a hole.
 """
 
 

@@ -63,7 +63,7 @@ def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
 
 
 TangentialPenalty: TypeAlias = float | Literal["auto"]
-"""c_t [force/length³], or what the materials give."""
+"""c_t [force/length³], or the value from the materials."""
 
 
 def with_friction(

@@ -21,7 +21,7 @@ from faying.interface.mismatch import LARGEST_COSINE
 from faying.model.surface import Facets, facet_area_vectors, facet_centres, facet_frames
 
 COVERED_SHARE = 1 - 1e-5
-"""Share of a minus facet from which it counts as wholly covered: digits of coordinates."""
+"""Covered share of a minus facet that counts as whole, within round-off of coordinates."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

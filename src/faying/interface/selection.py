@@ -107,7 +107,7 @@ DEFAULT_TOLERANCE = 0.01
 """Default tolerance as a fraction of the smallest facet edge."""
 
 WHOLE_AREA = 0.99
-"""Share of a declared area from which all of it is in contact or tied: facets follow curves."""
+"""Share of a declared area that counts as all of it, because facets only approximate curves."""
 
 
 def candidates(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indices]:

@@ -12,7 +12,7 @@ from faying.files.csv_rows import csv_rows
 from faying.files.numpy_archive import read_arrays
 
 HEIGHTS, GAPS = "z", "gap"
-"""What the third column of a scan is called."""
+"""Names of the third column of a scan."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,22 +15,22 @@ from faying.interface.surface_scan import Scan
 from faying.linalg.memory import require_room
 
 EDGES_PER_WAVE = 4.0
-"""Edges of facets that a wave takes at least: fewer show it as another one."""
+"""Least number of facet edges per wave: fewer would alias it."""
 
 CELLS_PER_WAVE = 32.0
 """Cells of the filter's grid in a wave of the cut-off.
 
-Where they lie changes a bump twice as wide by 3e-4 of its height.
+Their position changes a bump of twice this width by 3e-4 of its height.
 """
 
 ALPHA = float(np.sqrt(np.log(2) / np.pi))
-"""Of the Gaussian filter of ISO 16610-21: waves of the cut-off keep half of their height."""
+"""Constant of the Gaussian filter of ISO 16610-21: waves at the cut-off keep half their height."""
 
 LARGEST_HOLE = 0.2
-"""Share of an interface without samples from which on a scan is taken for another one's."""
+"""Share of an interface without samples above which a scan is refused as another interface's."""
 
 MOST_FILLED = 0.5
-"""Distance to the nearest sample, over the cut-off, from which on a point lies in a hole."""
+"""Distance to the nearest sample, over the cut-off, above which a point lies in a hole."""
 
 
 @dataclass(frozen=True, kw_only=True)

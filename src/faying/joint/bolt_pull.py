@@ -12,7 +12,7 @@ from faying.model.rigid_motion import rigid_parts
 from faying.model.specs import BoltSpec
 
 AS_MUCH = np.sqrt(0.5)
-"""Cosine of the angle at which a bolt pulls along faces as much as onto them."""
+"""Cosine of the angle at which a bolt's pull along faces equals that onto them."""
 
 
 def misdirected(model: Model, specs: Sequence[BoltSpec]) -> Iterator[str]:

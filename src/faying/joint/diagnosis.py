@@ -32,7 +32,7 @@ REMEDY_BESIDE_SPRINGS = (
     "support it, or tie it to a held body with a bolt: weak springs hold nothing but what touches "
     "another body, and those of a stiffness below round-off nothing at all"
 )
-"""Where weak springs were asked for."""
+"""Remedy after weak springs were requested."""
 
 
 def check_held(model: Model, remedy: str = REMEDY) -> None:
@@ -54,7 +54,7 @@ AS_A_WHOLE = (
     "no support holds {count} motion(s) of the joint as a whole: inertia balances loads in them, "
     "and modes are counted without them"
 )
-"""Said of every joint that can move as a whole, as it may be meant to."""
+"""Message for every free joint, which may be intended."""
 
 
 @dataclass(frozen=True, kw_only=True)

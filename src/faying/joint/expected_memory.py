@@ -17,21 +17,21 @@ from faying.model.elements.geometry import volume_factors
 from faying.model.elements.solid_element import stiffness_gradients
 
 MOST_COUNTED = 200_000
-"""Degrees of freedom up to which matrices are formed to count what their factors hold."""
+"""Most degrees of freedom for which the entries of factors are counted from formed matrices."""
 
 _SMALLEST_SOLID_SHARE = 0.9
-"""Share of the degrees of freedom that are those of solids, of which alone there is an estimate."""
+"""Least share of degrees of freedom in solids, for which alone there is an estimate."""
 
 _LEAF_NODES = 64
-"""Nodes that are not divided any more: their factor is full."""
+"""Nodes of a part that is not divided further, with a full factor."""
 
 _OVER_PLANES = 1.8
-"""Entries that PARDISO stores over those of planes: 1.5 to 2.1 measured on cubes, plates and bars
-of 47 000 to 1.6 million degrees of freedom, of hex8 and of tet10, and as much of the peak with the
-compliance over the entries of the bordered matrix. Its peak is 1.04 to 1.12 of what it holds."""
+"""Entries stored by PARDISO over those of the planes: 1.5 to 2.1 measured on cubes, plates and bars
+of 47 000 to 1.6 million degrees of freedom, of hex8 and tet10; also of the peak with the compliance
+over the entries of the bordered matrix. Its peak is 1.04 to 1.12 of its final memory."""
 
 _SEPARATORS = 2.0
-"""Unknowns that a pair meets in the factor of the bordered matrix, over n^⅔ of n unknowns: 1.5 to
+"""Unknowns coupled to a pair in the factor of the bordered matrix, over n^⅔ for n unknowns: 1.5 to
 2.0 measured on the roof, the flange and lap joints of 33 000 to 49 000 degrees of freedom."""
 
 

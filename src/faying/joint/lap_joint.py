@@ -22,7 +22,7 @@ from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
 PLATE_NAMES = {2: ("lower", "upper"), 3: ("lower", "middle", "upper")}
 
 MOST_BRICKS = 500_000
-"""Bricks of a joint: 1.6 million degrees of freedom, whose factors take tens of gigabytes."""
+"""Most bricks of a joint: 1.6 million degrees of freedom, with factors of tens of gigabytes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,8 +133,8 @@ STEEL = Material(name="steel", youngs_modulus=210_000.0, poissons_ratio=0.29, de
 SOFT_SUSPENSION = (10.0, 1e4)
 """Springs [N/mm], [N·mm/rad] at the tip of a double lap joint.
 
-Below a thousandth of the bending stiffness of the default sizes; a hundred times softer ones cost
-two digits of the pressure, because rigid motion then outweighs all elastic compliance.
+Less than a thousandth of the bending stiffness of the default sizes; a hundred times softer ones
+cost two digits of the pressure, because rigid motion then exceeds all elastic compliance.
 """
 
 

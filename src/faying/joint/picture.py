@@ -28,9 +28,9 @@ from faying.units import units_of
 
 VIEW = {"elev": 24.0, "azim": -58.0}
 SLENDER_HEIGHT = 0.5
-"""Height over length from which a body fills the picture and needs room for names above it."""
+"""Height over length above which a body fills the picture and needs space for names above it."""
 MANY_FACETS = 20_000
-"""Beyond this, edges would blacken the picture."""
+"""Number of facets above which edges would blacken the picture."""
 # Light from the upper left of the viewer; enough ambient light that no side is black.
 LIGHT = np.array([-0.35, -0.6, 0.72])
 AMBIENT = 0.62
@@ -135,7 +135,7 @@ def title_above(axes: Any, title: str) -> None:
 
 
 NAME_HEIGHT = 0.06
-"""Of a name with some air above it, in axes coordinates."""
+"""Height of a name with some space above it, in axes coordinates."""
 
 
 def _heights(axes: Any, points: Matrix) -> Vector:

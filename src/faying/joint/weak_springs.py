@@ -24,10 +24,10 @@ from faying.model.bodies import body_names
 from faying.model.local_stiffness import stiffness_at
 
 AUTOMATIC_STIFFNESS = 1e-5
-"""Automatic stiffness over the stiffness at the nodes that the springs hold.
+"""Automatic stiffness over the stiffness at the nodes of the springs.
 
-They take 1e-5 of a load from friction. Weaker ones take less, but increments with friction then
-take more Newton steps; with 1e-7 one was not solved (``docs/how-to/get_a_model_in.md``).
+They carry 1e-5 of a load instead of friction. Weaker ones carry less, but increments with friction
+then need more Newton steps; with 1e-7 one was not solved (``docs/how-to/get_a_model_in.md``).
 """
 
 NOTHING_ELASTIC = (

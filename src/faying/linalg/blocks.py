@@ -9,10 +9,10 @@ from faying._typing import Matrix, SparseMatrix
 Integers = npt.NDArray[np.int32]
 
 NODE = 3
-"""Degrees of freedom of a solid's node, which models number together."""
+"""Degrees of freedom of a solid's node, which are numbered in sequence."""
 
 MOST_FILL = 1.5
-"""Numbers stored in blocks over those stored singly up to which blocks pay."""
+"""Largest ratio of numbers stored in blocks and in single entries for which blocks pay."""
 
 
 def node_blocks(A: SparseMatrix) -> sp.bsr_array:

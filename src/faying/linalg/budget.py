@@ -6,18 +6,18 @@ FRACTION = 0.5
 """Part of the physical memory that the dense matrices of one model may take by default."""
 
 DENSE_COPIES = 12
-"""Dense matrices between pairs alive at once.
+"""Dense matrices between pairs in memory at once.
 
-Measured on the roof of 4296 rows while its bolts are tightened with friction: stiffness and
+Measured on the roof of 4296 rows during tightening of its bolts with friction: stiffness and
 compliance, boundary held and free, inverses with points closed and open, the three that change
 without the springs of bolts, factors of a step and scratch. Forming contact takes four, paths ten.
 """
 
 SPARSE_FACTORS = 2
-"""Factors beside those of K in place of dense matrices: of glued pairs, and of closed points."""
+"""Factors besides those of K in place of dense matrices: of glued pairs, and of closed points."""
 
 POINT_COPIES = 2
-"""Dense matrices between contact points alive at once: H and its factors."""
+"""Dense matrices between contact points in memory at once: H and its factors."""
 
 
 def default_budget() -> int:

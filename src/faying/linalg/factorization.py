@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 SHIFT = 1e-10
-"""Part of the diagonal that makes a structure factorizable which can move freely."""
+"""Part of the diagonal that makes the matrix of a free structure factorizable."""
 
 
 def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> MatrixFactorization:

@@ -10,16 +10,16 @@ from typing import NamedTuple
 from faying.exceptions import ModelError
 
 VARIABLE = "FAYING_MEMORY"
-"""Environment variable for the free memory [bytes], where the system's word does not hold."""
+"""Environment variable for the free memory [bytes], to override the system's value."""
 
 FALLBACK = 8 * 2**30
-"""Physical memory assumed where the system does not tell [bytes]."""
+"""Physical memory assumed where the system does not report it [bytes]."""
 
 UNLIMITED = 2**60
-"""Limits from here on are none."""
+"""Limits from this value on mean no limit."""
 
 SYSTEM = Path("/")
-"""Where the files of the Linux kernel are looked for."""
+"""Root of the files of the Linux kernel."""
 
 
 class Limit(NamedTuple):
@@ -106,7 +106,7 @@ def _group_limits(base: Path, path: str, ceiling: str, used: str, idle: str) -> 
 _log = logging.getLogger("faying")
 
 NEGLIGIBLE = 1e7
-"""Arrays [bytes] too small to ask the system for them, which takes as long as a small solution."""
+"""Size of arrays [bytes] below which free memory is not checked, since that takes time too."""
 
 
 class NotEnoughMemoryError(ModelError):

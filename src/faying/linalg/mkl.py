@@ -25,10 +25,10 @@ ANALYSE, FACTORIZE, SOLVE, RELEASE = 11, 22, 33, -1
 NOT_ENOUGH_MEMORY = -2
 
 REPRODUCIBLE = 2
-"""Conditional numerical reproducibility, MKL_CBWR_AUTO: with as many threads the same digits.
+"""Conditional numerical reproducibility, MKL_CBWR_AUTO: the same digits for equal thread numbers.
 
-Otherwise sums of several threads come in whatever order these end, on a busy machine in another one
-from call to call.
+Otherwise sums of several threads are added in the order in which these end, which on a busy machine
+differs from call to call.
 """
 
 

@@ -20,9 +20,9 @@ from faying.linalg.substitution import column_blocks, solved_gram
 _log = logging.getLogger("faying")
 
 FEW_PORTS = 100
-"""Ports up to which a substitution for each takes less than a second factorization.
+"""Largest number of ports for which a substitution for each is faster than a second factorization.
 
-As much at 110 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
+Both took the same time at 110 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
 """
 
 

@@ -20,13 +20,13 @@ from scipy.sparse.csgraph import connected_components, min_weight_full_bipartite
 from faying._typing import Indices, SparseMatrix
 
 MOST_TOGETHER = 60
-"""Rows of P that share degrees of freedom up to which they are turned around as one block.
+"""Largest number of rows of P with common degrees of freedom that are inverted as one block.
 
-Three in a pair, a few pairs where edges of bodies meet.
+Three for a pair, and a few pairs where edges of bodies meet.
 """
 
 STEEPEST = 100.0
-"""Largest entry of P_D⁻¹ over that of P⁻¹ of a single row: two of sixteen digits."""
+"""Largest allowed entry of P_D⁻¹ over that for a single row: two of sixteen digits."""
 
 
 def with_relative_unknowns(ports: SparseMatrix) -> SparseMatrix | None:

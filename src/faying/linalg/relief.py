@@ -23,7 +23,7 @@ from faying.linalg.interface import MatrixFactorization
 from faying.linalg.substitution import dense
 
 PREFERRED = 1e3
-"""How much more a place counts where springs are wanted: they lie there if these places hold."""
+"""Weight of preferred degrees of freedom, which get the springs if they hold the structure."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

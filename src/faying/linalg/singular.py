@@ -10,10 +10,10 @@ from faying.exceptions import ModelError
 from faying.linalg.interface import Factorization
 
 MECHANISM = 1e-13
-"""Strain energy of a motion over that of its nodes moving singly; below it the motion is free.
+"""Strain energy of a motion over that of its nodes moved one by one, below which it is free.
 
-A held structure stays far above (about (h/L)⁴, 1e-8 for a hundred elements along a beam), a
-mechanism comes out at the round-off of the product, 1e-16.
+It is far larger for a held structure (about (h/L)⁴, 1e-8 for a hundred elements along a beam), and
+at the round-off of the product, 1e-16, for a mechanism.
 """
 
 

@@ -8,11 +8,11 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix
 
 BLOCK = 256
-"""Rows or columns of a dense matrix at once: more right-hand sides gain nothing, and turned around
-more leave the processor's cache."""
+"""Rows or columns of a dense matrix at once: more right-hand sides are no faster, and a larger
+transpose exceeds the processor's cache."""
 
 BLOCK_BYTES = 2**27
-"""Most memory of one dense block of right-hand sides."""
+"""Largest memory of one dense block of right-hand sides."""
 
 
 def column_blocks(n_row: int, n_column: int) -> list[slice]:

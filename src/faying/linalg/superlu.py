@@ -19,7 +19,7 @@ except ImportError:
     pymetis = None
 
 SMALLEST = 1000
-"""Order of a matrix below which minimum degree is as good."""
+"""Order of a matrix below which minimum degree ordering is as good."""
 
 
 def nested_dissection(A: SparseMatrix) -> Indices | None:
@@ -49,7 +49,7 @@ BYTES_PER_ENTRY = np.dtype(np.float64).itemsize + np.dtype(np.intc).itemsize
 FILL, FILL_EXPONENT = 4.35, 1.484
 """Entries of L and U are 4.35 n^1.484, fitted to joints of 600 to 49 000 degrees of freedom.
 
-Plates and blocks of all element kinds lie within a factor of 1.8.
+Plates and blocks of all element kinds are within a factor of 1.8.
 """
 
 

@@ -13,8 +13,8 @@ from faying.linalg.mkl import load_mkl
 SMALL_ORDER = 1500
 """Order of dense matrices up to which one thread is fastest.
 
-Sharing a Cholesky factorization of a few hundred rows costs more than it saves; on a machine that
-does other work as well, threads that wait for each other made a run ten times slower.
+Several threads make a Cholesky factorization of a few hundred rows slower; on a busy machine,
+threads that waited for each other made a run ten times slower.
 """
 
 _FOUND: ContextVar[dict[str, int] | None] = ContextVar("threads before", default=None)

@@ -17,7 +17,7 @@ from faying.model.specs import BoltSpec
 _SMALLEST_DEPTH = 1e-2
 """Distance from a seat, over the length of a bolt, below which a node is not between the seats.
 
-Bodies in the plane of a seat touch it, and seats are up to a percent from plane.
+Bodies in the plane of a seat touch it, and seats deviate from a plane by up to a percent.
 """
 
 
@@ -104,11 +104,11 @@ def _cylindrical(points: Matrix, origin: Vector, axis: Vector) -> tuple[Vector, 
 
 
 Seats = tuple[Indices, Indices]
-"""Nodes of solids that the two ends of a bolt hold."""
+"""Nodes of solids at the two ends of a bolt."""
 
 
 _SAME_SEAT = 0.5
-"""Share of the smaller seat from which two bolts that have it in common sit on the same one."""
+"""Common share of the smaller seat above which two bolts are on the same seat."""
 
 
 def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:

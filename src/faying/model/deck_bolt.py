@@ -16,8 +16,8 @@ from faying.model.matrices import solid_matrices
 from faying.model.specs import BoltSpec
 
 CUT_STIFFNESS = 1e4
-"""Stiffness of the spring that closes a cut over E A / h of the layer of elements beside it: one
-part in ten thousand of one layer is added to the bolt's compliance, K loses four digits at most."""
+"""Stiffness of the spring across a cut over E A / h of the adjacent layer of elements: it adds one
+part in ten thousand of one layer to the bolt's compliance, and costs four digits of K at most."""
 
 
 def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:

@@ -20,7 +20,7 @@ LINKS = {
     "average_couplings": "average coupling",
     "equations": "equation",
 }
-"""Families of an assembly whose members hold nodes together, and what one is called."""
+"""Families of connections in an assembly, and the name of a member of each."""
 
 
 def joined_nodes(assembly: Assembly) -> list[tuple[Any, Indices]]:

@@ -17,7 +17,7 @@ from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock
 
 MOST_UNKNOWNS = 2000
-"""Unknowns of the dense eigenvalue problem above which it costs more than a minute."""
+"""Most unknowns of the dense eigenvalue problem, which then takes a minute."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -14,13 +14,13 @@ from faying.reduction.basis import VANISHING, Basis, ModeKind
 from faying.reduction.craig_bampton import craig_bampton
 
 INERTIA_SHAPES = 12
-"""Static shapes of inertia forces, one upon the other, that follow each boundary and load."""
+"""Static shapes of inertia forces, each of the one before, for each boundary motion and load."""
 
 REFINED_SHAPES = 200
-"""Slowest shapes whose inertia forces have their static shapes too."""
+"""Number of slowest shapes with static shapes of their inertia forces."""
 
 SHAPE_COPIES = 4
-"""Sets of all shapes alive at once: known, new, their forces, scratch."""
+"""Sets of all shapes in memory at once: known, new, their forces, scratch."""
 
 
 def attachment_modes(

@@ -13,7 +13,7 @@ from faying.display.facts import Shown
 from faying.exceptions import refuse_model
 
 SMALLEST_NEW_PART = 1e-8
-"""A trial vector is dropped when this part of its energy norm, or less, is new."""
+"""A trial vector is dropped if at most this part of its energy norm is new."""
 
 
 class ModeKind(StrEnum):

@@ -34,7 +34,7 @@ PORTS: Table = {
     "shear": Meaning("tangential displacements from relative ones (CSR); absent without friction"),
     "tangents": Meaning("directions of those", "1", "(2, n_point, 3)"),
 }
-"""Of the full model at its ports."""
+"""Entries of the full model at its ports."""
 
 COORDINATES: Table = {
     "kinds": Meaning("kinds of the coordinates q in their order", "", "(n_mode,)"),
@@ -71,13 +71,13 @@ COORDINATES: Table = {
         "(n_mode, n_motion)",
     ),
 }
-"""Of a reduced model in its coordinates."""
+"""Entries of a reduced model in its coordinates."""
 
 BOUNDARY: Table = {
     "nodes": Meaning("node id of each degree of freedom", "1", "(n,)"),
     "components": Meaning("its component, 0..5 for ux..rz", "1", "(n,)"),
 }
-"""Of a boundary."""
+"""Entries of a boundary."""
 
 TABLES: dict[type, Table] = {
     **{
@@ -93,7 +93,7 @@ TABLES: dict[type, Table] = {
     },
     Boundary: BOUNDARY,
 }
-"""Of all values in a file of one model."""
+"""Entries of all values in a file of one model."""
 
 OWN_ROOT: Table = {
     "name": Meaning("name of the full model"),
@@ -111,7 +111,7 @@ OWN_ROOT: Table = {
     "bolt_ends": Meaning("where each bolt begins and ends, as far as known", "length", "(2, 3)"),
     "provenance": Meaning("what made this file"),
 }
-"""Of a file of one reduced model."""
+"""Entries of a file of one reduced model."""
 
 OWN_PORTS: Table = {
     "relative_stiffness": Meaning(
@@ -137,7 +137,7 @@ OWN_PORTS: Table = {
     ),
     "dense_budget": Meaning("memory that dense matrices between contact points may take", "1"),
 }
-"""What such a file has beside :data:`PORTS`."""
+"""Entries of such a file in addition to :data:`PORTS`."""
 
 OWN_COORDINATES: Table = {
     "residual_compliance": Meaning(
@@ -172,4 +172,4 @@ OWN_COORDINATES: Table = {
         "(n_mode, n_node, 3)",
     ),
 }
-"""What such a file has beside :data:`COORDINATES`."""
+"""Entries of such a file in addition to :data:`COORDINATES`."""

@@ -62,7 +62,7 @@ _MEMBERS = (
     "reduced/residual_compliance",
     "reduced/weak_supports",
 )
-"""Groups whose members are read by their annotations, which say nothing of finite numbers."""
+"""Groups read by the annotations of their members, which do not check for finite numbers."""
 
 
 def read_reduced_model(path: Path | str) -> ReducedModel:
@@ -364,7 +364,7 @@ def study_of(path: Path | str) -> str:
 
 
 PRELOAD_PATH = "preload_path"
-"""Of the provenance: initial bolt forces, increment by increment, as JSON."""
+"""Entry of the provenance: initial bolt forces, increment by increment, as JSON."""
 
 
 def preload_path_of(path: Path | str) -> list[dict[str, float]] | None:

@@ -46,7 +46,7 @@ MODEL = Format(
 )
 
 MOST_PORTS = 4096
-"""Ports up to which results keep their compliance: 134 MB."""
+"""Most ports with a stored compliance in results: 134 MB."""
 
 _PORTS = Meaning("the joint as seen through its ports, for recovery and export")
 _REDUCED = Meaning("the reduced model in its coordinates")

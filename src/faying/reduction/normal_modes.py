@@ -14,7 +14,7 @@ from faying.linalg.factorization import Factorization
 from faying.linalg.substitution import dense
 
 NO_MASS = "the model has no mass: its materials have no density and it has no point masses"
-"""Said where motions or modes are asked of it."""
+"""Message where motions or modes of such a model are computed."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -23,7 +23,7 @@ from faying.simulation.frame_motion import mass_invariants
 from faying.simulation.solution import Solution
 
 MOST_SHAPE_BYTES = 256_000_000
-"""What the nodal displacements of all trial vectors may take: 100 vectors of 100 000 nodes."""
+"""Most memory of nodal displacements of trial vectors: 100 vectors of 100 000 nodes."""
 
 
 def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedModel:

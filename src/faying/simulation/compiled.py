@@ -25,14 +25,14 @@ from faying.simulation.integrators import Integrator, Motion
 from faying.simulation.step_contact import EndContact
 
 MOST_CHANGED, NEAR = 0.5, 0.3
-"""Changed points over pairs up to which E serves for a system, and to begin with.
+"""Largest number of changed points over pairs for a given E, in a step and at its start.
 
-A new E takes n³ operations for n pairs, k changed points k³. Of 0.35 to 0.65, steps of 798 pairs
-took least with 0.5, of 442 with 0.35 (15 % less), and of 148 with any.
+A new E takes n³ operations for n pairs, k changed points k³. Among 0.35 to 0.65, steps of 798 pairs
+were fastest with 0.5, of 442 with 0.35 (15 % less); of 148 there was no difference.
 """
 
 MOST_SETS = 4
-"""Sets of points whose E is at hand: those that transients from one state begin with."""
+"""Number of stored E, for the sets of points in transients from one state."""
 
 LOOP = "faying.simulation.compiled_steps"
 

@@ -22,16 +22,16 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.iterations import RETRIES
 
 MOST_SYSTEMS = 20
-"""Linear systems after which exchanges of all wrong points are taken to lead nowhere."""
+"""Most linear systems for exchanges of all wrong points."""
 
 LOOSE, ROUND_OFF = 1e-11, 1e-13
-"""Wrong gaps over the largest free one that do not count, before forces are corrected and after.
+"""Ignored wrong gaps over the largest free gap, before and after forces are corrected.
 
-The first also of the force that an unclosed gap stands for, over the largest force.
+The first also for the force equivalent to a remaining gap, over the largest force.
 """
 
 RENEWAL = 1_000_000
-"""What a new E costs beside its n³ multiplications, in multiplications."""
+"""Cost of a new E in addition to n³ multiplications, in multiplications."""
 
 
 class Model(NamedTuple):

@@ -23,11 +23,11 @@ from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 
 STATIONARY = 1e-3
-"""Change of the energy per cycle, over it, below which a cycle repeats the one before; and slip
-that it leaves, times traction."""
+"""Relative change of the energy per cycle below which a cycle repeats the one before; also of the
+work of traction on the change of slip."""
 
 MOST_CYCLES = 30
-"""Cycles after which one that still changes is given as it is; 2 to 5 are usual."""
+"""Most cycles, after which the last one is returned even if it still changes; 2 to 5 are usual."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -26,16 +26,16 @@ from faying.simulation.stepping import TransientSolver
 from faying.simulation.transient_windows import transient_windows
 
 SAFETY = 5.0
-"""Error of a first-order transient over the sum of changes that halving its steps makes, at most.
+"""Largest error of a first-order transient over the sum of changes by halved steps.
 
-Displacements and velocities carry errors on that no pressure of their own interval shows, and
-neither length of step shows motions faster than both. The error was up to 4.2 times the sum on a
-hub pressed on a shaft, and 2.1 on two lap joints and a flange; on a tee and a bracket that did not
-serve to find the factor 1.4 and 1.7. Schemes of second order, at most 0.7, take half the factor.
+Displacements and velocities carry errors on that pressures of an interval do not show, and neither
+step resolves motions faster than both. The error was up to 4.2 times the sum on a hub pressed on a
+shaft, and 2.1 on two lap joints and a flange; 1.4 and 1.7 on a tee and a bracket, which were not
+used to choose the factor. For schemes of second order, at most 0.7, half the factor is taken.
 """
 
 Tried = tuple[Solution, Restart]
-"""An interval in some number of steps, and where the motion stands then."""
+"""Solution of an interval in some number of steps, and the restart after it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,18 +15,18 @@ from faying.simulation.instants import Instants
 from faying.simulation.integrators import Motion
 
 MOST_GAIN = 0.1
-"""Share of the energy in motion that a sound transient does not gain from nothing.
+"""Largest spurious energy gain of a sound transient, as a share of the energy in motion.
 
 A tenth of the energy is five hundredths of the amplitude. Of 216 runs of generalized-α on poor
-bases 158 gained less than 0.03 of the largest work and 45 more than 0.9; schemes that cannot gain
-energy have 0.02 at most, from the way it is summed (``benchmarks/transient_energy.py``).
+bases 158 gained less than 0.03 of the largest work and 45 more than 0.9; for schemes that cannot
+gain energy it is 0.02 at most, from the summation (``benchmarks/transient_energy.py``).
 """
 
 AT_ONCE = 25
-"""Instants whose energies are computed together; more gain nothing more and take more memory."""
+"""Instants whose energies are computed together; more would be no faster and take more memory."""
 
 FELT_ENERGY_SHARE = 1e-3
-"""Motion with less than this share of the energy of the preload moves pressures by 3 % at most."""
+"""Motions with less than this share of the preload's energy change pressures by 3 % at most."""
 
 _log = logging.getLogger("faying")
 
@@ -60,7 +60,7 @@ class EnergyLedger:
 
 
 ABSURD = float(np.sqrt(np.finfo(float).max))
-"""Loads from which energies overflow, whatever integrates them."""
+"""Loads above which energies overflow with any integrator."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -14,8 +14,8 @@ from faying.simulation.path_steps import PathStep
 from faying.simulation.solution import Solution
 
 MOST_TIME_STEPS = 10**9
-"""Steps of a response: at a microsecond each, the least that a step takes, 20 minutes; the instants
-alone are eight gigabytes of them."""
+"""Most steps of a response: 20 minutes at a microsecond each, the least time of a step, and eight
+gigabytes for their times alone."""
 
 
 def check_times(step: float, duration: float) -> None:
@@ -116,7 +116,7 @@ def require_history_room(n_case: int, n_time: int, system: System) -> None:
 HISTORY_BYTES = 2 * 2**30
 """Memory that the histories of responses stepped side by side may take.
 
-The same on every machine, for round-off depends on how many there are.
+The same on every machine, because round-off depends on the number of responses.
 """
 
 

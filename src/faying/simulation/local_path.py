@@ -33,10 +33,10 @@ SOLVED = 1e-13
 """Residual over the largest force at rest at which an increment is solved."""
 
 NEGLIGIBLE = 1e-4
-"""Forces that are left, over the largest, whose motion elsewhere a step may forget."""
+"""Remaining forces over the largest one whose effect on other points a step may neglect."""
 
 FAST_CONVERGENCE = 0.2
-"""What a step's system may leave, over what it begins with, for earlier factors to serve it."""
+"""Largest relative residual of a step's system with earlier factors."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -239,7 +239,7 @@ def by_component(blocks: Matrix, chosen: Mask | slice = slice(None)) -> SparseMa
 
 
 Excess = Sequence[tuple[Indices, Matrix]]
-"""Of each increment, rows of μ (n_active,) that change with unknowns, and how (n_active, x)."""
+"""For each increment, rows of μ (n_active,) that depend on unknowns, and slopes (n_active, x)."""
 
 
 def local_derivatives(

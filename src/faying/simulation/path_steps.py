@@ -12,13 +12,13 @@ from faying.exceptions import ConvergenceError
 from faying.linalg.threads import threads_for
 
 MOST_DIVISIONS = 6
-"""Times an increment, an interval or a step of Newton's method is halved: 64 parts of it."""
+"""Most halvings of an increment, an interval or a step of Newton's method: 64 parts."""
 
 TURNED = 1e-3
-"""Part of the last step that an increment begins back of where it ended, as its load turns.
+"""Part of the last step by which an increment starts back after a reversal of the load.
 
-Points at their bounds stick there: both turns of a flange of which nearly all slips took 11 Newton
-steps each, and 17 and 15 from where the step had begun.
+Points at their friction limit then stick: both reversals of a flange with slip nearly everywhere
+took 11 Newton steps each, and 17 and 15 from the end of the step before.
 """
 
 

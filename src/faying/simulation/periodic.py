@@ -37,7 +37,7 @@ from faying.simulation.local_path import (
 from faying.simulation.stuck_rest import StuckRest
 
 PERIODS = 2
-"""Periods of a path; what the second leaves differed from its start by 1e-6 of the amplitude."""
+"""Periods of a path; the end of the second differed from its start by 1e-6 of the amplitude."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

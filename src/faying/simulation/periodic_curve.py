@@ -23,17 +23,17 @@ from faying.simulation.periodic import PERIODS, Derivatives, Motion, PeriodicPro
 
 ROUND_OFF, SOLVED = 1e-10, 1e-6
 """Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
-accepted where round-off allows no less."""
+accepted at the limit of round-off."""
 
 FAST_CONVERGENCE = 0.03
-"""What a step may leave of the next one, over itself, for derivatives to serve once more: they take
-as long as half a path or a whole one."""
+"""Largest next step over the last one for which derivatives are used again: new ones take as long
+as half a path or a whole one."""
 
 LARGEST_STEP = 0.5
 """Step of Newton's method over the unknowns that is taken whole."""
 
 LARGEST_BEND = 0.4
-"""What a point may differ from the one before, over it."""
+"""Largest relative difference of a point from the one before."""
 
 LAST_STEP = 1.5
 """What the step to the next frequency may be over the longest, so that as many steps lead there as
@@ -47,10 +47,10 @@ RISE, LEAST_RISE = 0.25, 0.01
 """Steps of the level towards a first motion, over it: the first one and the least."""
 
 LARGEST_DETOUR = 0.5
-"""How far a curve may go on its way to the next frequency and back, over that where it begins."""
+"""Largest detour of a curve on its way to the next frequency, over the frequency at its start."""
 
 MOST_POINTS = 100
-"""Points of a curve between two frequencies asked for."""
+"""Most points of a curve between two given frequencies."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

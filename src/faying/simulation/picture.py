@@ -13,7 +13,7 @@ from faying.joint.system import System
 from faying.units import units_of
 
 QUANTITIES = {"pressure": ("contact pressure", "force/length²"), "gap": ("gap", "length")}
-"""What can be drawn, with its name and dimension."""
+"""Quantities for plots, with their names and dimensions."""
 
 
 def plot_map(

@@ -23,10 +23,10 @@ OF_EACH_STATE = (
     "dissipation",
     "deepest",
 )
-"""Arrays of a solution that begin with the case or instant, where there are several."""
+"""Arrays of a solution with the case or instant as first axis, if there are several."""
 
 OF_EACH_INSTANT = ("times", "velocities", "accelerations", "substeps", "step_error")
-"""Arrays that transients have besides."""
+"""Further arrays of transients."""
 
 
 def some_states(solution: Solution, at: Indices) -> Solution:

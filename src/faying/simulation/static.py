@@ -19,7 +19,7 @@ AT_REST = Load(name="preload")
 
 
 TOGETHER = 128
-"""Cases solved side by side at most: of 10 000 of three bolts (3912 points) 67 take 6 ms each."""
+"""Most cases solved side by side: of 10 000 of three bolts (3912 points) 67 take 6 ms each."""
 
 
 def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases") -> Solution:

@@ -29,11 +29,11 @@ from faying.simulation.step_contact import StepContact
 from faying.simulation.transient_windows import transient_windows
 
 SIDE_BY_SIDE = 16
-"""Cases advanced together; more gain nothing more and spread over more memory."""
+"""Cases advanced together; more would be no faster and take more memory."""
 
 STEPS_AT_ONCE = 2000
-"""Steps between two looks at progress and the keyboard, and two writes of a stream: a second of
-computing at most, and 15 MB of a thousand contact points."""
+"""Steps between reports of progress, checks for interrupts and writes of a stream: a second of
+computing at most, and 15 MB for a thousand contact points."""
 
 
 def transient_solver(

@@ -21,8 +21,8 @@ from faying.joint.system import System
 from faying.linalg.factorization import Factorization
 
 TERMS = 2
-"""Terms of the series: a lap joint was 2e-4 of its linear response off between its resonances with
-none, 8e-7 with one, 1e-9 with two, the round-off of its modes."""
+"""Terms of the series: the relative error of a lap joint's linear response between resonances was
+2e-4 without terms, 8e-7 with one, and 1e-9 with two, the round-off of its modes."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -22,7 +22,7 @@ FIELDS = {
     "gap": ("gap, open where positive", "length"),
     "contact_force": ("normal contact force, pressure times area", "force"),
 }
-"""What is told of the contact points, with its meaning and dimension."""
+"""Columns of contact points, with their meanings and dimensions."""
 
 
 def dataframe(solution: ContactFields, system: System, times: Vector | None) -> "DataFrame":

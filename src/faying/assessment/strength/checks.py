@@ -142,7 +142,7 @@ BENT_AT_REST = (
     "clamps tilts under its head or nut; look at gaps that the bolts close, flanges that tilt "
     "about a gasket, the order of tightening, and the mesh around the hole"
 )
-"""What to do about a bolt that yields."""
+"""Remedy for a bolt that yields."""
 
 
 def _yield_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:

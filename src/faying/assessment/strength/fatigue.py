@@ -18,7 +18,7 @@ ENDURANCE_CYCLES = 2e6
 """N_D."""
 
 EXPONENT = 3
-"""Of the amplitude, below N_D cycles."""
+"""Exponent of the amplitude, below N_D cycles."""
 
 
 def endurance(thread: Thread, units: str) -> float:

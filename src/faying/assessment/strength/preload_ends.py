@@ -22,10 +22,10 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
 
 LEAST, MOST = "P_p,min", "P_p,max"
-"""What the ends of the scatter are called."""
+"""Names of the ends of the scatter."""
 
 ENDS = "ends of the preloads"
-"""What solutions there are called."""
+"""Name of solutions at these ends."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -13,7 +13,7 @@ from faying.display.plane import ROUND
 from faying.exceptions import ModelError, refuse_model
 
 MILLIMETRE, INCH = 1e-3, 0.0254
-"""In metres."""
+"""Units of length in metres."""
 
 UNIFIED = re.compile(
     r"(?:(?P<whole>\d+)[ -])?(?P<top>\d+)/(?P<bottom>\d+)-(?P<threads>\d+)(?: UN[CFJRS]*)?"

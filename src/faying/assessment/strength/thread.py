@@ -17,16 +17,16 @@ from faying.exceptions import ModelError, refuse_model
 from faying.units import LENGTHS
 
 SHEAR = 0.6
-"""Shear strength over ultimate strength of steels, where nothing else is known of the bolt."""
+"""Shear strength over ultimate strength of steels, where that of the bolt is unknown."""
 
 WORKING = 0.5
-"""k_τ: share of the torsion of tightening that counts in service, section 5.5.2."""
+"""k_τ: share of the tightening torsion in service, section 5.5.2."""
 
 ANGLES = 72
-"""Fibres around the section whose stress is told: of the range of bending 0.1 % at most is lost."""
+"""Number of fibres around the section: errors of the bending range are 0.1 % at most."""
 
 FLANK = float(1 / np.cos(np.pi / 6))
-"""1 / cos 30°, of the flanks of a metric thread."""
+"""1 / cos 30°, for the flanks of a metric thread."""
 
 
 @dataclass(frozen=True, kw_only=True)

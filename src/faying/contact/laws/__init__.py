@@ -34,7 +34,7 @@ CLOSURES: Mapping[str, type[Curve]] = {
     "power": PowerClosure,
     "gasket": GasketClosure,
 }
-"""Curves of pressure over closure by the names that studies and files give them."""
+"""Curves of pressure over closure by their names in studies and files."""
 
 LAWS: Mapping[str, type[Law]] = {
     "hard": Hard,
@@ -42,7 +42,7 @@ LAWS: Mapping[str, type[Law]] = {
     "coulomb": Coulomb,
     **CLOSURES,
 }
-"""All laws by the names that files give them."""
+"""All laws by their names in files."""
 
 
 def normal_law(penalty: float) -> Hard | Penalty:

@@ -9,7 +9,7 @@ from faying.contact.laws.law import Law
 from faying.exceptions import ModelError
 
 LARGEST_FRICTION = 10.0
-"""Coefficients above this are taken for a slip of the pen; dry metals have 0.05 to 1."""
+"""Coefficients above this are refused as typing errors; dry metals have 0.05 to 1."""
 
 
 @dataclass(frozen=True)

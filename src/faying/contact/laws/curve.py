@@ -11,7 +11,7 @@ from faying.contact.laws.unilateral import Unilateral
 from faying.exceptions import ModelError
 
 FIRST_PRESSURE = 1e-3
-"""Pressure over the named one at which a curve that begins with no slope is taken to begin."""
+"""Pressure over the reference one at which a curve of zero initial slope is taken to begin."""
 
 _PLACES, _SHARES = np.polynomial.legendre.leggauss(24)
 """Gauss's rule for energies, exact to round-off where a curve has no kink."""

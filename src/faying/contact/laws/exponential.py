@@ -9,7 +9,7 @@ from faying.contact.laws.curve import Curve, check_positive
 from faying.iterations import MOST_STEPS
 
 LAST_EXPONENT = 7.0
-"""1 + c/c₀ beyond which the tangent goes on: 4466 times the named pressure, and e^s no overflow."""
+"""1 + c/c₀ beyond which the tangent continues: 4466 times p₀, without overflow of e^s."""
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ HEX8_FORMULATIONS: Mapping[str, SolidElement] = MappingProxyType(
         for element in (HEX8, HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX8_REDUCED_ABAQUS)
     }
 )
-"""Values of ``Assembly.element`` and the eight-node brick each stands for."""
+"""Values of ``Assembly.element``, and the eight-node brick of each."""
 
 ALL_SOLIDS = (
     *SOLIDS.values(),

@@ -26,13 +26,13 @@ Functions = Callable[[Matrix], tuple[Matrix, Matrix]]
 """Points (n, 2) to values (n, n_node) and gradients (n, 2, n_node) of shape functions."""
 
 Samples = tuple[Matrix, Matrix, Matrix]
-"""Places (n, 2), directions (n, 2), and how samples are averaged (n_field, n)."""
+"""Places (n, 2), directions (n, 2), and averages of samples (n_field, n)."""
 
 FULL_RULE_SHARE = 1e-3
-"""Share of the full rule in an eight-node shell, transverse shear aside."""
+"""Share of the full rule in an eight-node shell, except in transverse shear."""
 
 RIGID_SHEAR = 100.0
-"""Transverse shear stiffness that stands for infinity, over the membrane's in shear."""
+"""Transverse shear stiffness in place of infinity, over the membrane's shear stiffness."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

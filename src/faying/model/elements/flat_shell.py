@@ -21,7 +21,7 @@ from faying._typing import Frozen, Matrix, Vector
 from faying.model.elements.shell_frames import ElementLaws
 
 DRILLING = 1e-4
-"""Stiffness of the rotation about the normal over the membrane's in shear (K6ROT = 100)."""
+"""Stiffness of the rotation about the normal over the membrane's shear stiffness (K6ROT = 100)."""
 
 _GAUSS = 1 / np.sqrt(3.0)
 

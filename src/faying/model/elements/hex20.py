@@ -42,8 +42,8 @@ HEX20_REDUCED = replace(
 )
 """Twenty-node brick whose stiffness takes 2 x 2 x 2 points (C3D20R).
 
-Softer than with full integration, and without its locking in thin bodies. Alone it has six motions
-without energy; two elements side by side hold them (O. C. Zienkiewicz, R. L. Taylor, J. M. Too,
+Softer than with full integration, and without its locking in thin bodies. A single element has six
+zero-energy modes, two adjacent ones have none (O. C. Zienkiewicz, R. L. Taylor, J. M. Too,
 "Reduced integration technique in general analysis of plates and shells", Int. J. Numer. Meth. Eng.
 3 (1971) 275-290).
 """

@@ -104,13 +104,13 @@ HEX8_REDUCED_ABAQUS = replace(
 )
 """Eight-node bricks of uniform strain with hourglass stiffness (C3D8R).
 
-The mean strain of the cell carries the stiffness; the four patterns it does not see are held by
+The stiffness is that of the mean strain of the cell; the four hourglass patterns are resisted by
 springs of s E V Σ |b_i|², where b_i is the mean gradient of shape function i and V the volume:
 D. P. Flanagan, T. Belytschko, "A uniform strain hexahedron and quadrilateral with orthogonal
 hourglass control", Int. J. Numer. Meth. Eng. 17 (1981) 679-706.
 
-CalculiX 2.20 has s = 5e-4. Abaqus' manual does not tell its own in these terms; s = 1e-4 gives the
-frequencies that Abaqus 2023 found of the free Brake-Reuss beam without contact (Abaqus4Joints by
+CalculiX 2.20 has s = 5e-4. Abaqus' manual does not state its value of s; s = 1e-4 gives the
+frequencies of Abaqus 2023 for the free Brake-Reuss beam without contact (Abaqus4Joints by
 N. N. Balaji, docs/abqtut.org): 70.323, 151.249, 609.250 for 70.323, 151.26, 609.25 Hz; 5e-4 gives
 70.572, 151.763, 610.546.
 """

@@ -11,8 +11,8 @@ CORNERS = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 SIXTHS = ((0, 1, 2, 6), (0, 5, 1, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 4, 5, 6), (0, 7, 4, 6))
 """Kuhn's simplicial division of a brick (H. W. Kuhn, IBM J. Res. Dev. 4 (1960) 518-524).
 
-One tetrahedron for each way from corner 0 to corner 6 along edges; opposite faces are cut along
-parallel diagonals, so neighbours and bodies that touch match.
+One tetrahedron for each path from corner 0 to corner 6 along edges; opposite faces are divided
+along parallel diagonals, so that neighbours and touching bodies match.
 """
 
 TET4 = SolidElement(

@@ -16,7 +16,7 @@ CORNERS = (
     (0.0, 1.0, 1.0),
 )
 HALVES = ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))
-"""A brick in halves, along the diagonal of its bottom."""
+"""Halves of a brick, along the diagonal of its bottom."""
 
 WEDGE6 = SolidElement(
     kind="wedge6",

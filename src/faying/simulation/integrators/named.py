@@ -20,7 +20,7 @@ INTEGRATORS: Mapping[str, Callable[..., Integrator]] = {
 DAMPED = [
     scheme().name for scheme in _SCHEMES if "rho_infinity" in {f.name for f in fields(scheme)}
 ]
-"""Names of those whose damping at infinite frequency is chosen."""
+"""Names of the integrators with a parameter for damping at infinite frequency."""
 
 
 def named_integrator(name: str | None, rho_infinity: float | None = None) -> Integrator:
