@@ -27,7 +27,8 @@ import numpy as np
 import faying as fy
 from faying.joint.structure import Structure
 from faying.linalg import factorization, superlu
-from faying.linalg.factorization import available_backends, factorize
+from faying.linalg.backends import available_backends
+from faying.linalg.factorization import factorize
 from faying.linalg.partial import port_compliance
 from faying.linalg.superlu import nested_dissection, pymetis
 

@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from faying.contact.laws import normal_law
 from faying.interface.pairing import find_interfaces
-from faying.interface.zero_thickness import automatic_penalty, build_interface
+from faying.interface.penalty import automatic_penalty
+from faying.interface.zero_thickness import build_interface
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.dofs import DofMap
 from faying.model.specs import InterfaceSpec

@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 import faying as fy
 from faying.exceptions import ModelError
 from faying.linalg import superlu
-from faying.linalg.factorization import VARIABLE, available_backends, factorize
+from faying.linalg.backends import VARIABLE, available_backends
+from faying.linalg.factorization import factorize
 from faying.linalg.mkl import PardisoHandle
 from faying.linalg.partial import port_compliance
 from faying.linalg.singular import SingularMatrixError

@@ -12,8 +12,9 @@ from faying.contact.laws import normal_law
 from faying.exceptions import ModelError
 from faying.interface.interface import FacePairs
 from faying.interface.pairing import find_interfaces, pair_facets
+from faying.interface.penalty import automatic_penalty
 from faying.interface.relative_displacement import times_normals
-from faying.interface.zero_thickness import automatic_penalty, build_interface
+from faying.interface.zero_thickness import build_interface
 from faying.joint.build import build_model
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.sticking import sticking_stiffness, stuck_pairs

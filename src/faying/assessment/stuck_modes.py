@@ -13,7 +13,8 @@ from faying.digits import DECK_DIGITS, SHOWN_DIGITS
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.linalg.backends import count_negative
-from faying.linalg.factorization import Factorization, factorize
+from faying.linalg.factorization import factorize
+from faying.linalg.interface import Factorization
 from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.path import last_of, solve_static

@@ -24,7 +24,7 @@ from faying.contact.pressing import PressingContact
 from faying.contact.saddle_points import SaddlePoints
 from faying.contact.yielding import YieldingContact
 from faying.linalg.budget import pairs_fit
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 from faying.linalg.partial import port_compliance
 from faying.linalg.sparse_compliance import SparseCompliance
 from faying.linalg.sparse_stiffness import SparseStiffness

@@ -17,12 +17,10 @@ from faying.exceptions import ModelError, refuse_model
 from faying.interface.gap_pairing import pairs_across
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_contact
-from faying.interface.selection import candidates, select_facets, touching_tolerance
+from faying.interface.selection import candidates, touching_tolerance
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import WIDTH, Facets, facet_area_vectors, unique_rows
-
-__all__ = ["find_interfaces", "pair_facets", "select_facets"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -17,7 +17,6 @@ from faying.interface.facets import (
     reference_nodes,
 )
 from faying.interface.interface import FacePairs, Interface
-from faying.interface.penalty import automatic_penalty
 from faying.interface.relative_displacement import (
     common_normal,
     relative_displacement,
@@ -26,8 +25,6 @@ from faying.interface.relative_displacement import (
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.specs import InterfaceSpec
-
-__all__ = ["automatic_penalty", "build_interface", "relative_displacement"]
 
 
 def build_interface(

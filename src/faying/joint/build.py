@@ -37,13 +37,14 @@ from faying.model.contained_bolt import check_contained, elongation_factors
 from faying.model.deck_bolt import (
     are_carried,
     axial_stiffness,
+    bolt_axis_element,
     bolt_chain,
     bolt_ends,
     end_moments,
     end_nodes,
 )
 from faying.model.dofs import DofMap
-from faying.model.generated_bolt import add_bolt, bolt_axis_element
+from faying.model.generated_bolt import add_bolt
 from faying.model.local_stiffness import stiffness_at
 from faying.model.matrices import used_components
 from faying.model.rigid_motion import whole_motions

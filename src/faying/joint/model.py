@@ -22,7 +22,7 @@ from faying.joint.load_pattern import (
 from faying.joint.structure import Structure
 from faying.joint.system import PortCompliance, static_contact_of
 from faying.joint.weak_support import WeakSupport
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary

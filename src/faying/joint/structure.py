@@ -15,17 +15,13 @@ from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
 from faying.linalg.backends import estimate_memory, estimate_port_memory
 from faying.linalg.budget import SPARSE_FACTORS, default_budget, pairs_fit
-from faying.linalg.cholesky import inverse
-from faying.linalg.factorization import (
-    Factorization,
-    MatrixFactorization,
-    SingularMatrixError,
-    factorize,
-    factorize_condensed,
-)
+from faying.linalg.cholesky import factorize_condensed, inverse
+from faying.linalg.factorization import factorize
+from faying.linalg.interface import Factorization, MatrixFactorization
 from faying.linalg.memory import FactorMemory
 from faying.linalg.partial import port_stiffness
 from faying.linalg.relief import balanced, supported, supports
+from faying.linalg.singular import SingularMatrixError
 from faying.linalg.sparse_compliance import Compliance, SparseCompliance, plus
 from faying.linalg.sparse_stiffness import SparseStiffness
 from faying.linalg.substitution import dense, solved_gram, symmetrized

@@ -20,7 +20,7 @@ from faying.interface.interface import Interface
 from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern, pattern_forces
 from faying.joint.weak_support import WeakSupport
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 

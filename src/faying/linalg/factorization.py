@@ -4,9 +4,9 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
-from faying.linalg.backends import BACKENDS, VARIABLE, Backend, available_backends, chosen_backend
+from faying.linalg.backends import BACKENDS, Backend, chosen_backend
 from faying.linalg.cholesky import factorize_condensed
-from faying.linalg.interface import Factorization, MatrixFactorization
+from faying.linalg.interface import MatrixFactorization
 from faying.linalg.singular import (
     MECHANISM,
     NotDefiniteError,
@@ -15,17 +15,6 @@ from faying.linalg.singular import (
 )
 from faying.linalg.substitution import dense
 from faying.linalg.superlu import factorize_superlu
-
-__all__ = [
-    "MECHANISM",
-    "VARIABLE",
-    "Factorization",
-    "MatrixFactorization",
-    "SingularMatrixError",
-    "available_backends",
-    "factorize",
-    "factorize_condensed",
-]
 
 SHIFT = 1e-10
 """Part of the diagonal that makes the matrix of a free structure factorizable."""

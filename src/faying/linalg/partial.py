@@ -1,7 +1,7 @@
 """Entries of an inverse between a few ports: Q A⁻¹ Qᵀ."""
 
 from faying._typing import Matrix, SparseMatrix
-from faying.linalg.factorization import Factorization, MatrixFactorization
+from faying.linalg.interface import Factorization, MatrixFactorization
 from faying.linalg.pardiso import PardisoFactorization
 from faying.linalg.substitution import solved_gram
 

@@ -17,12 +17,9 @@ from faying.model.assembly import (
 from faying.model.axes import any_across, round_section
 from faying.model.boundary import with_coupling
 from faying.model.clamping import check_clamping
-from faying.model.deck_bolt import bolt_axis_element
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.model.surface import facet_normals
-
-__all__ = ["add_bolt", "bolt_axis_element", "bolt_section"]
 
 # A facet bears the washer if it faces along the axis within 25° and lies off the bearing plane by
 # at most a fifth of the washer's radius: this includes slightly curved or inclined seats, but no

@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.digits import ROUND_OFF, SOLVED
-from faying.linalg.factorization import MECHANISM
+from faying.linalg.singular import MECHANISM
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.matrices import rigid_body_motions

@@ -10,7 +10,7 @@ import scipy.sparse.linalg as spla
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.exceptions import refuse_model
 from faying.joint.structure import Structure
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 from faying.linalg.substitution import dense
 
 NO_MASS = "the model has no mass: its materials have no density and it has no point masses"

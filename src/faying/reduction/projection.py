@@ -12,7 +12,8 @@ from faying.interface.surface import ContactSurface, contact_surface
 from faying.joint.model import Model
 from faying.joint.system import PortCompliance
 from faying.joint.tangential import tangential_rows
-from faying.linalg.factorization import SingularMatrixError, factorize
+from faying.linalg.factorization import factorize
+from faying.linalg.singular import SingularMatrixError
 from faying.linalg.sparse_compliance import Compliance, plus
 from faying.model.boundary import Boundary
 from faying.reduction.basis import VANISHING, Basis, ModeKind

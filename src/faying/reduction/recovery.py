@@ -12,7 +12,7 @@ from faying._typing import Frozen, Matrix
 from faying.exceptions import refuse_model
 from faying.joint.model import Model
 from faying.joint.system import Joint, PortCompliance
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 from faying.linalg.partial import port_compliance
 from faying.reduction.basis import Basis
 from faying.simulation.frame_motion import frame_loads

@@ -22,7 +22,7 @@ from faying.joint.system import (
     elongations,
     static_contact_of,
 )
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 from faying.linalg.relief import factorize_relieved
 from faying.linalg.substitution import symmetrized
 from faying.model.bolt import Bolt

@@ -19,7 +19,7 @@ from faying.contact.yielding import YieldingContact
 from faying.iterations import RETRIES
 from faying.joint.system import System
 from faying.linalg.budget import pairs_fit
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 from faying.simulation.instants import Instants
 from faying.simulation.integrators import Integrator, Motion
 from faying.simulation.step_contact import EndContact

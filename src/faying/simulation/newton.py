@@ -13,8 +13,9 @@ from faying.exceptions import ConvergenceError
 from faying.iterations import MOST_STEPS
 from faying.joint.model import Model
 from faying.joint.system import input_forces
-from faying.linalg.factorization import SingularMatrixError, factorize
+from faying.linalg.factorization import factorize
 from faying.linalg.relief import balanced
+from faying.linalg.singular import SingularMatrixError
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST

@@ -13,7 +13,8 @@ from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
 from faying.iterations import RETRIES
 from faying.joint.system import System, input_forces
-from faying.linalg.factorization import Factorization, factorize
+from faying.linalg.factorization import factorize
+from faying.linalg.interface import Factorization
 from faying.linalg.threads import threads_for
 from faying.simulation.compiled import CompiledSteps, compiled_steps, stacked, unstacked
 from faying.simulation.energy_guard import EnergyGuard

@@ -18,7 +18,7 @@ import scipy.linalg as la
 from faying._typing import ComplexMatrix, ComplexVector, Matrix, SparseMatrix
 from faying.digits import ROUND_OFF
 from faying.joint.system import System
-from faying.linalg.factorization import Factorization
+from faying.linalg.interface import Factorization
 
 TERMS = 2
 """Terms of the series: the relative error of a lap joint's linear response between resonances was

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ModelError
-from faying.interface.pairing import find_interfaces, pair_facets, select_facets
+from faying.interface.pairing import find_interfaces, pair_facets
+from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly, FaceSet
 from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid

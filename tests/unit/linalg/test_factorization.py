@@ -8,8 +8,8 @@ import faying as fy
 from faying.exceptions import ModelError
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.structure import Structure
-from faying.linalg.factorization import SingularMatrixError
 from faying.linalg.partial import port_compliance
+from faying.linalg.singular import SingularMatrixError
 from faying.linalg.substitution import BLOCK
 
 

@@ -14,7 +14,7 @@ import faying as fy
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.export.formats import export
 from faying.export.linearized import linearize
-from faying.linalg.factorization import SingularMatrixError
+from faying.linalg.singular import SingularMatrixError
 from faying.model.assembly import NodalLoads
 from faying.reduction.projection import for_moving_supports
 
