@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Matrix, SparseMatrix, Vector
 from faying.assessment.accuracy import Compared
 from faying.exceptions import refuse_model
-from faying.interface.smoothing import Smoothing
+from faying.interface.smoothing import smoothing
 from faying.joint.model import Model
 
 
@@ -74,14 +74,14 @@ def mesh_error(model: Model, solution: Compared) -> dict[str, MeshError]:
     return mesh_errors(smoothings(model), model, solution.pressure)
 
 
-def smoothings(model: Model) -> dict[str, Smoothing]:
+def smoothings(model: Model) -> dict[str, SparseMatrix]:
     """Return the smoothings of a model for :func:`mesh_errors` of any number of solutions."""
     nodes = model.assembly.mesh.nodes
-    return {name: Smoothing.of(interface, nodes) for name, interface in model.interfaces.items()}
+    return {name: smoothing(interface, nodes) for name, interface in model.interfaces.items()}
 
 
 def mesh_errors(
-    smooth: Mapping[str, Smoothing], model: Model, pressure: Matrix
+    smooth: Mapping[str, SparseMatrix], model: Model, pressure: Matrix
 ) -> dict[str, MeshError]:
     """Return estimated errors of pressures (..., n_point), as :func:`mesh_error`."""
     if np.shape(pressure)[-1] != model.contact.n_points:
@@ -99,10 +99,10 @@ def mesh_errors(
     return errors
 
 
-def _estimate(smoothing: Smoothing, weights: Vector, pressure: Vector) -> MeshError:
+def _estimate(smooth: SparseMatrix, weights: Vector, pressure: Vector) -> MeshError:
     """Return the estimate for one field (n_point,) that is not zero."""
     peak = float(pressure.max())
-    error = np.abs(pressure - smoothing.smoothed(pressure)) / peak
+    error = np.abs(pressure - np.maximum(smooth @ pressure, 0.0)) / peak
     pressed = float(weights[pressure > 0].sum())
     return MeshError(
         field=float(np.sqrt(weights @ error**2 / pressed)),

@@ -63,23 +63,10 @@ class ScanPlacement:
     scale: float = 1.0
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Topography:
-    """The gap of an interface from scans.
-
-    Attributes
-    ----------
-    gap : (n_point,) [length]
-    notes
-        Processing of each scan, as text.
-    """
-
-    gap: Vector
-    notes: tuple[str, ...]
-
-
-def topography(interface: Interface, scans: Sequence[tuple[Scan, ScanPlacement]]) -> Topography:
-    """Return the gap at the contact points from scans of one side, of both or of the gap.
+def topography(
+    interface: Interface, scans: Sequence[tuple[Scan, ScanPlacement]]
+) -> tuple[Vector, list[str]]:
+    """Return the gap (n_point,) from scans of one side, both or the gap, and what was done to each.
 
     A polynomial of second degree is the form of a scan. The rest of it is smoothed by the Gaussian
     filter of ISO 16610-21 in both directions, on a grid and weighted by the samples there, so that
@@ -92,14 +79,14 @@ def topography(interface: Interface, scans: Sequence[tuple[Scan, ScanPlacement]]
     ModelError
         If a scan leaves a fifth of the contact points without samples, or directions do not fit.
     """
-    total, notes = np.zeros(interface.n_points), []
+    total, notes = np.zeros(interface.n_points), list[str]()
     for scan, placement in scans:
         heights, note = _heights(interface, scan, placement)
         total += heights if placement.of == "gap" else -heights
         notes.append(f"topography of interface '{interface.name}', {placement.of}: {note}")
     if any(placement.tilt == "remove" for _, placement in scans):
         total -= total.min()
-    return Topography(gap=total, notes=tuple(notes))
+    return total, notes
 
 
 def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tuple[Vector, str]:

@@ -53,10 +53,9 @@ def with_temperature(model: Model, name: str, temperature: Temperature) -> Model
     assembly, shanks = model.assembly, {}
     for bolt, tightened in model.bolts.items():
         shanks[bolt] = tightened.shank.elements if tightened.shank is not None else ()
-    expansion = expansion_of(assembly, temperature, shanks)
+    forces, free_strains = expansion_of(assembly, temperature, shanks)
     strains = {
-        beam.id: strain
-        for beam, strain in zip(assembly.beams, expansion.strains.tolist(), strict=True)
+        beam.id: strain for beam, strain in zip(assembly.beams, free_strains.tolist(), strict=True)
     }
     added = {}
     for bolt, elements in shanks.items():
@@ -67,8 +66,8 @@ def with_temperature(model: Model, name: str, temperature: Temperature) -> Model
             ends = assembly.mesh.nodes[list(element.nodes)]
             length = float(np.linalg.norm(ends[1] - ends[0]))
             added[bolt] = -axial_stiffness(assembly, element) * length * strain
-    loaded = np.flatnonzero(expansion.forces.any(axis=1))
-    nodal = NodalLoads(nodes=loaded, forces=expansion.forces[loaded])
+    loaded = np.flatnonzero(forces.any(axis=1))
+    nodal = NodalLoads(nodes=loaded, forces=forces[loaded])
     pattern = load_pattern(name, nodal, assembly, model.dofs)
     return replace(
         model,

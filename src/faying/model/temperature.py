@@ -43,25 +43,10 @@ class Temperature:
             refuse_model(f"a temperature of {temperatures} is not finite; give numbers")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Expansion:
-    """Nodal forces and free strains of beams due to a change of temperature.
-
-    Attributes
-    ----------
-    forces : (n_node, 6) [force]
-    strains : (n_beam,)
-        Free strains of the beams.
-    """
-
-    forces: Matrix
-    strains: Vector
-
-
 def expansion_of(
     assembly: Assembly, temperature: Temperature, bolts: Mapping[str, Collection[int]]
-) -> Expansion:
-    """Return forces and strains of the change from the reference to the temperatures of the parts.
+) -> tuple[Matrix, Vector]:
+    """Return forces (n_node, 6) and free strains of beams (n_beam,) of temperatures of the parts.
 
     Free strains are α ΔT in all directions in solids, and along beams. Rigid couplings, springs and
     bushes keep their lengths. Bolts are names to the ids of their beams.
@@ -93,7 +78,7 @@ def expansion_of(
         ]
     )
     solids = _solid_forces(assembly, changes[:n_solid])
-    return Expansion(forces=solids + stretching_forces(assembly, strains), strains=strains)
+    return solids + stretching_forces(assembly, strains), strains
 
 
 def _temperature_changes(

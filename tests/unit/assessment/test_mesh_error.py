@@ -9,7 +9,7 @@ from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 import faying as fy
 from faying.assessment.mesh_error import mesh_errors, smoothings
 from faying.exceptions import ModelError
-from faying.interface.smoothing import Smoothing
+from faying.interface.smoothing import smoothing
 
 LOAD = fy.Load({"tip.Fz": -500.0})
 
@@ -46,9 +46,9 @@ def test_a_linear_pressure_has_an_error_at_the_rim_alone(quadrature):
     model = fy.lap_joint(element_size=2.5, quadrature=quadrature, hole_radius=None)
     interface = model.interfaces["joint"]
     x = interface.points[:, 0]
-    smoothing = smoothings(model)["joint"]
+    smooth = smoothings(model)["joint"]
     pressure = 10.0 + x / 4
-    error = np.abs(smoothing.smoothed(pressure) - pressure)
+    error = np.abs(smooth @ pressure - pressure)
     inner = np.abs(x) < 20.0 - 2.5  # one row of bricks off the ends of the overlap
     assert error[inner].max() < 1e-12 * pressure.max()
     assert error[~inner].max() > 0.01  # averages there lie on one side
@@ -108,6 +108,6 @@ def test_under_nodal_quadrature_the_field_is_read_between_the_nodes():
     # Averages of points at the nodes are the points themselves, which would hide every error.
     np.testing.assert_array_equal(interface.nodal_average(pressure), pressure)
     nodes = joint.assembly.mesh.nodes
-    assert np.abs(Smoothing.of(interface, nodes).smoothed(pressure) - pressure).max() > 1.0
+    assert np.abs(smoothing(interface, nodes) @ pressure - pressure).max() > 1.0
     named = replace(interface, quadrature="gauss-2")
-    assert np.abs(Smoothing.of(named, nodes).smoothed(pressure) - pressure).max() < 1e-9
+    assert np.abs(smoothing(named, nodes) @ pressure - pressure).max() < 1e-9

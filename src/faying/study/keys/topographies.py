@@ -52,8 +52,8 @@ def with_topographies(model: Model, scans: Mapping[str, Sequence[TopographySecti
     for name, sections in scans.items():
         interface = model.interfaces[name]
         read = [(read_scan(section.file), section.placement) for section in sections]
-        surfaces = topography(interface, read)
-        model = model.with_interfaces({name: with_gap_offset(interface, surfaces.gap)})
-        noted = (*model.assembly.ignored, *surfaces.notes)
+        gap, notes = topography(interface, read)
+        model = model.with_interfaces({name: with_gap_offset(interface, gap)})
+        noted = (*model.assembly.ignored, *notes)
         model = replace(model, assembly=replace(model.assembly, ignored=noted))
     return model

@@ -6,14 +6,13 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Matrix, SparseMatrix
 from faying.assessment.certificate import Certificate, Certifier, Measure
 from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.transient_error import EXACT, REMEDY
 from faying.exceptions import ConvergenceError
 from faying.files.flattening import flattened, restored
-from faying.interface.smoothing import Smoothing
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.attachment import attachment_modes
@@ -234,7 +233,7 @@ class CaseRunner:
         }
 
     @cached_property
-    def _smoothings(self) -> dict[str, Smoothing]:
+    def _smoothings(self) -> dict[str, SparseMatrix]:
         return smoothings(self.joint.model)
 
     @cached_property
