@@ -1,6 +1,7 @@
 """The .mat hand-over in Octave: static cases, a transient, recovery and the jacobian."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from programs import or_skip
 
 import faying as fy
 from faying.export.formats import export
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import NodalLoads
 from faying.simulation.solution import Solution
 
@@ -194,6 +196,38 @@ def test_hard_contact_without_compliance_is_refused(
 
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "export_to_matlab.md"
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2])
+def test_a_joint_that_nothing_holds_begins_at_rest(
+    program: str, tmp_path: Path, friction: float
+) -> None:
+    described = lap_joint_assembly(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    joint = fy.build_model(
+        replace(described.assembly, supports=()),
+        interfaces=described.interfaces,
+        bolts=described.bolts,
+        boundaries=described.boundaries,
+    ).with_bolt_forces({"bolt": 5e3})
+    joint = joint.with_friction(friction) if friction else fy.preload(joint, {"bolt": 5e3})
+    rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=5), compliance=True)
+    export(rom, "mat", out=tmp_path / "joint.mat")
+    script = f"""
+joint = load('joint.mat');
+try, faying_static(joint); catch e, refusal = e.message; end
+state = faying_rest(joint);
+gap = state.gap; clear e;
+for k = 1:8
+  state = faying_step(joint, state, [0 0 300 0 0 0], {STEP});
+  q(:, k) = state.q; lambda(:, k) = state.lambda;
+end
+"""
+    found = run_octave(program, tmp_path, script)
+    motion = fy.solve_transient(rom, fy.Load({"tip.Fz": 300.0}), step=STEP, duration=8 * STEP)
+    close(found["q"], motion.states[1:].T)
+    close(found["lambda"], motion.contact_forces[1:].T)
+    close(found["gap"][:, 0], motion.gap[0])
+    assert "begin with faying_rest" in str(found["refusal"])
 
 
 def test_code_of_the_page_runs(program: str, joint: fy.Model, tmp_path: Path) -> None:

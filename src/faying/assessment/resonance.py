@@ -5,7 +5,7 @@ largest one: at resonance the work of the load p equals the dissipation, p = 2 Î
 Transients to the steady state under the load are a check.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,8 +129,14 @@ def steady_state(
     level: float,
     frequency: float,
     initial: Solution | None = None,
+    progress: Callable[[int], object] | None = None,
 ) -> SteadyState:
     """Integrate the motion under a harmonic load, from a state at rest, until it repeats.
+
+    Parameters
+    ----------
+    progress
+        Is told how many periods were computed since it was called last.
 
     Notes
     -----
@@ -158,6 +164,8 @@ def steady_state(
     to_come, periods = np.inf, 0
     for (part,), _ in parts:
         periods += PIECE
+        if progress is not None:
+            progress(PIECE)
         last = rows_of(part.states[-STEPS:].T, system)
         fundamentals.append(last @ wave)
         if periods > RISE + 2 * PIECE:

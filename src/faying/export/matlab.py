@@ -15,6 +15,7 @@ from faying.study.results.values import Results
 FUNCTIONS = (
     "faying_contact.m",
     "faying_static.m",
+    "faying_rest.m",
     "faying_step.m",
     "faying_recover.m",
     "faying_complementarity.m",

@@ -22,7 +22,7 @@ function state = faying_static(joint, F, N0, before)
   f = faying_forces(joint, F) - joint.E' * N0(:);
   [U, failed] = chol(joint.K);
   if failed
-    error('faying:static', 'K is singular: the joint is not held; hold it, or use faying_step');
+    error('faying:static', 'K is singular: nothing holds the joint; hold it, or begin with faying_rest');
   end
   answers = U' \ joint.P';
   S = answers' * answers + joint.R;

@@ -162,13 +162,15 @@ class FrequencyRunner:
             message = "there is no reduced model to integrate"
             raise ConvergenceError(message)
         peak = curve.peak(self._at)
-        with self.joint.books.stage(f"{self.swept.name}: transient, level {curve.level:g}"):
+        name = f"{self.swept.name}: transient, level {curve.level:g}, periods"
+        with self.joint.books.stage(name) as advance:
             settled = steady_state(
                 self.rom,
                 self.swept.load,
                 curve.level,
                 peak.frequency,
                 rest_state(self.rom, self.joint.preload_path, self.joint.rest),
+                progress=advance,
             )
         motion = settled.fundamental[settled.components.index(self._at)]
         return TransientCheck(
