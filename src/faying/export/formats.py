@@ -122,9 +122,10 @@ def export(
     """
     chosen = format_named(to)
     rom, run, folder = _given(source, method, joint_modes)
-    _check_friction(rom, to, chosen)
+    # Formats that carry friction know no other laws either: without the law all else follows.
     if chosen.kind not in (PICTURES, CURVES):
         _check_laws(rom, to)
+    _check_friction(rom, to, chosen)
     if out is None and folder is None:
         refuse_study(f"nothing says where to write the {to} file; give out=")
     target = (folder or Path()) / default_name(rom, to) if out is None else Path(out)
