@@ -39,6 +39,7 @@ def check(
         bolt_doubts,
         doubts,
         missing_contact,
+        overlapping,
         uneven_seats,
     )
     from faying.study.keys.deck_study import is_bare, study_or_deck
@@ -78,6 +79,8 @@ def check(
     unjudged = not_judged(checked, model)
     shapes = tangled(loaded.assembly)
     bolts = [*misdirected(model, loaded.bolts if model.bolts else ()), *uneven_seats(loaded)]
+    for note in overlapping(model):
+        console.print(f"Note: {note}", highlight=False)
     for doubt in [*constants, *filter(None, [shapes, *missing, *jumps]), *bolts, *unjudged]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:

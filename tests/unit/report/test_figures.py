@@ -181,6 +181,9 @@ def test_the_initial_gap_is_drawn_where_surfaces_part():
     parted = replace(JOINT, initial_gap=np.linspace(0.0, 0.0256, len(JOINT.points)))
     figure = initial_gap_figure(replace(RESULTS, interfaces={"joint": parted})).figure
     assert figure.axes[0].get_title(loc="left") == "joint: up to 0.0256 mm before any load"
+    across = replace(JOINT, initial_gap=np.linspace(-0.0125, 0.0256, len(JOINT.points)))
+    figure = initial_gap_figure(replace(RESULTS, interfaces={"joint": across})).figure
+    assert figure.axes[0].get_title(loc="left").endswith("load, overlap up to 0.0125 mm")
 
 
 def test_a_map_shows_each_point_in_its_place():

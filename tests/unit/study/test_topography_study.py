@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from faying.cli.check import check
+from faying.display.quantities import percent, quantity
 from faying.exceptions import ModelError, StudyError
 from faying.study.inputs.load_model import build
+from faying.study.judgement.model_warnings import overlapping
 from faying.study.keys.schema import parse_study
 
 STUDY = """
@@ -55,6 +57,16 @@ def test_the_gap_is_that_of_the_scan(built):
     (note,) = [text for text in model.assembly.ignored if text.startswith("topography")]
     assert note.startswith("topography of interface 'joint', plus: 1275 samples")
     assert "a tilt of 0.0005 removed" in note
+
+
+def test_surfaces_that_a_tilt_brings_into_each_other_are_said_to_overlap(built):
+    assert overlapping(built()) == []
+    model = built("scale = 1e-3\n", 'scale = 1e-3\ntilt = "keep"\n')
+    joint = model.interfaces["joint"]
+    share = joint.weights[joint.initial_gap < 0].sum() / joint.area
+    (said,) = overlapping(model)
+    deepest = quantity(-joint.initial_gap.min(), "mm")
+    assert f"interface 'joint' overlap by up to {deepest} on {percent(share)} of its" in said
 
 
 @pytest.mark.long

@@ -259,7 +259,10 @@ def draw_initial_gaps(records: Mapping[str, InterfaceRecord], units: Units) -> F
     def panel(name: str, record: InterfaceRecord, axes: Axes) -> str:
         largest = float(record.initial_gap.max())
         plot_gap(record, record.initial_gap, axes, units, largest=largest)
-        return f"{name}: up to {quantity(largest, units.length)} before any load"
+        deepest = -float(record.initial_gap.min())
+        over = DECK_DIGITS * np.ptp(record.points, axis=0).max()
+        overlap = f", overlap up to {quantity(deepest, units.length)}" if deepest > over else ""
+        return f"{name}: up to {quantity(largest, units.length)} before any load{overlap}"
 
     parted = {
         name: record
@@ -279,7 +282,10 @@ def initial_gap_figure(results: Results) -> Drawn | None:
         figure=figure,
         stem="initial_gap",
         title="Gap before any load",
-        caption=f"Gap between the surfaces before any load, a cross at the largest. {POINTS}.",
+        caption=(
+            "Gap between the surfaces before any load, a cross at the largest, white where they "
+            f"touch or overlap. {POINTS}."
+        ),
     )
 
 

@@ -5,7 +5,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from faying.assessment.case_metrics import weak_warnings
+from faying.digits import DECK_DIGITS
 from faying.display.facts import WORTH_SAYING
+from faying.display.quantities import percent, quantity
 from faying.interface.selection import WHOLE_AREA
 from faying.joint.diagnosis import AS_A_WHOLE, suspension
 from faying.joint.model import Model
@@ -49,6 +51,22 @@ def unheld(model: Model) -> list[str]:
     """Say that a joint can move as a whole, or swings on springs."""
     count, swings = model.rigid_motions.shape[1], suspension(model)
     return [*([AS_A_WHOLE.format(count=count)] if count else []), *([swings] if swings else [])]
+
+
+def overlapping(model: Model) -> list[str]:
+    """Say of which interfaces the surfaces overlap before any load, as a scan with a tilt may."""
+    unit, said = units_of(model.units).length, []
+    for name, interface in model.interfaces.items():
+        gap, size = interface.initial_gap, float(np.ptp(interface.points, axis=0).max(initial=0.0))
+        inside = gap < -DECK_DIGITS * size
+        if inside.any():
+            share = float(interface.weights[inside].sum() / interface.weights.sum())
+            said.append(
+                f"surfaces of interface '{name}' overlap by up to {quantity(-gap.min(), unit)} on "
+                f"{percent(share)} of its area before any load: they press each other apart "
+                "without bolts, as in a press fit"
+            )
+    return said
 
 
 def unmeasured(study: Study, cases: Mapping[str, CaseResult]) -> list[str]:

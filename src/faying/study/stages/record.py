@@ -20,6 +20,7 @@ from faying.simulation.tightening import open_interfaces
 from faying.study.judgement.model_warnings import (
     bolt_doubts,
     doubts,
+    overlapping,
     pressure_doubts,
     unheld,
     unmeasured,
@@ -108,7 +109,7 @@ def record(
             *bolt_doubts(study, joint.loaded),
             *pressure_doubts(cases, model.assembly.materials, study.units),
         ),
-        notes=tuple(unheld(model)),
+        notes=(*unheld(model), *overlapping(model)),
         measurements=measured_curves(study),
         validation=validation,
         reduced=recoverable,
