@@ -256,20 +256,17 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
 def draw_initial_gaps(records: Mapping[str, InterfaceRecord], units: Units) -> Figure | None:
     """Draw the gaps of the interfaces whose surfaces part, one row each; None where none does."""
 
-    def panel(name: str, record: InterfaceRecord, axes: Axes) -> str:
-        largest = float(record.initial_gap.max())
-        plot_gap(record, record.initial_gap, axes, units, largest=largest)
-        deepest = -float(record.initial_gap.min())
-        over = DECK_DIGITS * np.ptp(record.points, axis=0).max()
-        overlap = f", overlap up to {quantity(deepest, units.length)}" if deepest > over else ""
-        return f"{name}: up to {quantity(largest, units.length)} before any load{overlap}"
+    sizes = {n: np.ptp(r.points, axis=0).max() for n, r in records.items() if len(r.points)}
+    seen = {name: DECK_DIGITS * size for name, size in sizes.items()}
 
-    parted = {
-        name: record
-        for name, record in records.items()
-        if len(record.points)
-        and record.initial_gap.max() > DECK_DIGITS * np.ptp(record.points, axis=0).max()
-    }
+    def panel(name: str, record: InterfaceRecord, axes: Axes) -> str:
+        largest, deepest = float(record.initial_gap.max()), -float(record.initial_gap.min())
+        plot_gap(record, record.initial_gap, axes, units, largest=largest)
+        overlap = f", overlap up to {quantity(deepest, units.length)}"
+        title = f"{name}: up to {quantity(largest, units.length)} before any load"
+        return f"{title}{overlap if deepest > seen[name] else ''}"
+
+    parted = {n: records[n] for n, least in seen.items() if records[n].initial_gap.max() > least}
     return map_figure(parted, [panel], 9.0, 0.9, "") if parted else None
 
 
