@@ -255,7 +255,6 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
 
 def draw_initial_gaps(records: Mapping[str, InterfaceRecord], units: Units) -> Figure | None:
     """Draw the gaps of the interfaces whose surfaces part, one row each; None where none does."""
-
     sizes = {n: np.ptp(r.points, axis=0).max() for n, r in records.items() if len(r.points)}
     seen = {name: DECK_DIGITS * size for name, size in sizes.items()}
 
