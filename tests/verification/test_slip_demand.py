@@ -20,6 +20,7 @@ from faying.units import units_of
 PULL = {"tip.Fx": 1.2e3, "tip.Fy": 80.0, "tip.Mz": 500.0, "tip.Fz": -100.0}
 LOADS = [fy.Load(PULL, name="pull"), fy.Load({"tip.Fz": -200.0}, name="bend")]
 STICKING = fy.Sticking(threshold=0.3, stiffness=1e6)
+UPWARDS = np.tile([0.0, 0.0, 1.0], (12, 1))
 
 
 def balanced(model):
@@ -202,6 +203,43 @@ def area():
     )
 
 
+def test_a_flat_joint_whose_edge_bends_away_is_judged():
+    """As a bent sheet on a plate: few facets are tilted, and the bolt presses beside them."""
+    straight = fy.lap_joint(element_size=5.0)
+    nodes = straight.assembly.mesh.nodes.copy()
+    joined = np.unique(straight.interfaces["joint"].pairs)
+    edge = joined[np.isclose(nodes[joined, 0], nodes[joined, 0].max())]
+    nodes[edge, 2] -= 1.5
+    mesh = replace(straight.assembly.mesh, nodes=nodes)
+    bolt = fy.BoltSpec(name="bolt", elements=straight.bolts["bolt"].shank.elements)
+    bent = build_model(
+        replace(straight.assembly, mesh=mesh),
+        interfaces=[fy.InterfaceSpec(name="joint")],
+        bolts=[bolt],
+        boundaries=[fy.BoundarySpec(name="tip", node=straight.boundaries["tip"].nodes[0])],
+    )
+    assert not bent.interfaces["joint"].flat
+    pull = [fy.Load({"tip.Fx": 1.2e3, "tip.Fz": 50.0}, name="pull")]
+    demands = [
+        fy.assess(fy.preload(model, {"bolt": 8e3}), pull, paths=False).interfaces["joint"].slip
+        for model in (straight, bent)
+    ]
+    assert not demands[1].unknown
+    needed = [demand.needed_friction["pull"] for demand in demands]
+    assert needed[1] == pytest.approx(needed[0], rel=0.03)
+
+
+def test_an_area_that_presses_where_it_is_tilted_has_no_plane():
+    points = np.hstack([np.random.default_rng(1).normal(size=(12, 2)), np.zeros((12, 1))])
+    normals, forces, carried = UPWARDS.copy(), np.ones((3, 12)), np.array([[3.0, 0.0, 0.0]] * 3)
+    normals[0] = [0.6, 0.0, 0.8]
+    forces[1:, 0] = 0.0, 0.1
+    sums = area_sums(area(), points, normals, forces, carried)
+    np.testing.assert_array_equal(sums.bent, [True, False, False])
+    assert np.isinf(sums.needed_friction[0])
+    assert sums.clamp_force[1:] == pytest.approx([11.0, 11.1], rel=1e-12)
+
+
 def test_least_mean_arms_are_fermats():
     """Of an equilateral triangle to its centre; from a corner of 120° or more to the others."""
     places = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, np.sqrt(3) / 2]])
@@ -217,7 +255,7 @@ def test_no_rigid_sliding_dissipates_less_than_the_load_works():
     for _ in range(200):
         points = np.hstack([random.normal(size=(12, 2)), np.zeros((12, 1))])
         forces, carried = random.uniform(0, 1, (1, 12)) ** 3, random.normal(size=(1, 3))
-        sums = area_sums(area(), points, forces, carried)
+        sums = area_sums(area(), points, UPWARDS, forces, carried)
         motions = random.normal(size=(400, 3)) * [1, 1, random.uniform(0, 4)]
         motions[0] = [carried[0, 0], carried[0, 1], 0.0]
         x, y = points[:, :2].T
@@ -232,5 +270,5 @@ def test_one_load_alone_needs_exactly_that_friction():
     forces = np.full((3, 4), 50.0)
     forces[2] = 0.0
     carried = np.array([[30.0, 40.0, 0.0], [0.0, 0.0, -60.0], [1.0, 0.0, 0.0]])
-    needed = area_sums(area(), points, forces, carried).needed_friction
+    needed = area_sums(area(), points, UPWARDS[:4], forces, carried).needed_friction
     assert needed == pytest.approx([50 / 200, 60 / 200, np.inf], rel=1e-12)

@@ -254,8 +254,8 @@ def _needed_friction(
     points = np.arange(*surface.slice)
     if area.bolt:
         points = points[surroundings(interfaces, joint.bolts)[area.interface, area.bolt][points]]
-    places = surface.points[points - surface.slice[0]]
-    return area_sums(area, places, forces[:, points], carried).needed_friction
+    places, normals = (of[points - surface.slice[0]] for of in (surface.points, surface.normals))
+    return area_sums(area, places, normals, forces[:, points], carried).needed_friction
 
 
 def _shared(

@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector
-from faying.digits import SOLVED
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.interface.interface import Interface
 from faying.interface.relative_displacement import tangents_of
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
@@ -22,6 +22,9 @@ from faying.joint.sticking import sticking_forces
 from faying.joint.system import elongations
 from faying.model.bolt import Bolt
 from faying.model.links import connected_parts
+
+CURVED = "it is curved, and forces along it have no resultant that could be compared"
+"""Why nothing is told of an area that presses in several directions."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -96,9 +99,7 @@ def _areas_of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRow
     """Yield the areas of an interface, with empty rows, and the rows of displacements."""
     interface = model.interfaces[name]
     places = interface.pair_points(model.assembly.mesh.nodes)
-    # A flat interface has one normal; the mean of others can be zero, as for both faces of a
-    # plate, but these have no resultants.
-    normal = interface.normals[0]
+    normal = _plane_normal(interface)
     origin, first = interface.points.mean(axis=0), tangents_of(normal[None])[0]
     tangents = np.stack([first, np.cross(normal, first)])
     labels = _parts_without_bolts(model)
@@ -139,6 +140,27 @@ def _areas_of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRow
             ),
             rows.tocsr(),
         )
+
+
+def _plane_normal(interface: Interface) -> Vector:
+    """Return the normal (3,) of most of an interface's area, where most of it has one.
+
+    By components it is the median over the area: edges that bend away do not tilt it.
+    """
+    if interface.flat:
+        return np.asarray(interface.normals[0])
+    order = np.argsort(interface.normals, axis=0)
+    area = np.cumsum(interface.weights[order], axis=0)
+    middle = (area >= area[-1] / 2).argmax(axis=0)
+    median = np.take_along_axis(interface.normals, order, axis=0)[middle, np.arange(3)]
+    nearest = interface.normals[(interface.normals @ median).argmax()]
+    return np.asarray(nearest)
+
+
+def _mostly_flat(interface: Interface) -> bool:
+    """Return whether one normal is that of more than half of an interface's area."""
+    along = interface.normals @ _plane_normal(interface) > 1 - DECK_DIGITS
+    return bool(2 * interface.weights[along].sum() > (1 + SOLVED) * interface.weights.sum())
 
 
 def _springs(model: Model, name: str) -> tuple[SparseMatrix, Indices]:
@@ -217,9 +239,8 @@ def _bolts_through(
 
 def _reason_unknown(model: Model, name: str, pierced: Mapping[str, float], labels: Indices) -> str:
     """Return why the resultants along an interface are unknown; empty if they are known."""
-    interface = model.interfaces[name]
-    if not interface.flat:
-        return "it is curved, and forces along it have no resultant that could be compared"
+    if not _mostly_flat(model.interfaces[name]):
+        return CURVED
     stuck = model.stuck.get(name)
     sticks = stuck is not None and bool(stuck.any())
     if sticks and not model.stuck_stiffness:
