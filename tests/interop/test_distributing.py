@@ -71,4 +71,4 @@ def test_a_central_force_stretches_uniformly(kind, tmp_path):
 def test_what_the_old_keyword_leaves_out_is_said(tmp_path):
     path = tmp_path / "job.inp"
     path.write_text(deck("hex8", OLD, 0.0, "3, 10."))
-    assert any("Abaqus turns it too" in note for note in read_joint(path).assembly.ignored)
+    assert any("Abaqus adds rotation" in note for note in read_joint(path).assembly.ignored)

@@ -211,7 +211,7 @@ def test_text_names_every_matrix_and_row(given: fy.ReducedModel, folder: Path) -
 
 
 def test_other_suffix_is_refused(given: fy.ReducedModel, tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"ends in '.txt'; Nastran takes .op4 or .dmig"):
+    with pytest.raises(FormatError, match=r"ends in '.txt', expected .op4 or .dmig"):
         export(given, "nastran", out=tmp_path / "joint.txt")
 
 

@@ -127,7 +127,7 @@ def test_a_study_overrides_by_name_and_subcases_choose(joint: fy.Model, tmp_path
     assert face.penalty == 1e5
     np.testing.assert_allclose(face.initial_gap, 0.001, atol=1e-9)
     again = '[[bolt]]\nname = "{}"\nelements = [' + f"{bolt}]\npreload = 1.0"
-    with pytest.raises(StudyError, match="takes only a preload here"):
+    with pytest.raises(StudyError, match="only its preload can be given here"):
         load_model(study(tmp_path, joint, more=again.format("bolt-1")))
     with pytest.raises(StudyError, match=f"'bolt-1' and 'M6' both tighten element {bolt}"):
         load_model(study(tmp_path, joint, more=again.format("M6")))

@@ -192,7 +192,7 @@ def test_two_tables_of_one_name_are_refused(rom, folder, tmp_path):
     text = (folder / "rides" / "slow.csv").read_text()
     for ending in (".csv", ".parquet"):
         (tmp_path / f"slow{ending}").write_text(text)
-    with pytest.raises(StudyError, match="two tables of the name 'slow'"):
+    with pytest.raises(StudyError, match="two tables named 'slow'"):
         read_loads(tmp_path, rom)
 
 

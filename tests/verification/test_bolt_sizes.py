@@ -146,22 +146,22 @@ def test_a_size_brings_measures_and_torque_a_preload(tmp_path):
     [
         ('size = "M8"\ngrade = "8.9.1"\npreload = 1.0', "grade '8.9.1' is none"),
         ('size = "M7"\ngrade = "8.8"\npreload = 1.0', "add it, as in 'M7x1'"),
-        ('size = "M8"\npreload = 1.0\ntorque = 2.0', "found 'preload', 'torque', which each say"),
-        ('size = "M8"\nutilisation = 0.9', "it takes the bolt's size and grade"),
+        ('size = "M8"\npreload = 1.0\ntorque = 2.0', "found 'preload', 'torque', which each give"),
+        ('size = "M8"\nutilisation = 0.9', "it needs the bolt's size and grade"),
         ('size = "M8"\ngrade = "8.8"\nutilisation = 0.9', "give thread_friction"),
         ('size = "M8"\ngrade = "8.8"\ntorque = 9.0', "give thread_friction and head_friction"),
         ('size = "M8"\ngrade = "8.8"\nhole = 20.0\npreload = 1.0', "bears on nothing"),
         ('size = "3/8-24 UNF"\npreload = 1.0', "needs 'washer_radius'; add it"),
-        ('head = "ISO 4762"\npreload = 1.0', "it belongs to a size"),
+        ('head = "ISO 4762"\npreload = 1.0', "it needs a size"),
         (
             'size = "3/8-24 UNF"\ngrade = "SAE 5"\nwasher_radius = 9.0\npreload = 1.0\n'
             "head_pressure_limit = 9.0",
-            "the area under the head is not known",
+            "the area under the head is unknown",
         ),
         ("preload = 1.0", "needs 'diameter' and 'washer_radius'; add it"),
         (
             'size = "M8"\ngamma = 0.1\ntightening_factor = 1.2\npreload = 1.0',
-            "how far its preload scatters",
+            "the scatter of its preload",
         ),
     ],
 )

@@ -176,7 +176,7 @@ def test_pieces_go_on_to_the_bit(rom, tmp_path, monkeypatch):
         fy.stream_transient(rom, PULLED, parts, duration=20 * STEP, **options)
         fy.stream_transient(rom, PULLED, parts, duration=30 * STEP, resume=True, **options)
         smooth = replace(rom, contact=replace(rom.contact, laws={"joint": Penalty(1e6)}))
-        with pytest.raises(FormatError, match="is of another model"):
+        with pytest.raises(FormatError, match="belongs to another model"):
             fy.stream_transient(smooth, PULLED, parts, duration=40 * STEP, resume=True, **options)
         at_once = fy.solve_transient(rom, PULLED, step=STEP, duration=30 * STEP, integrator=scheme)
         with h5py.File(whole) as one, h5py.File(parts) as other:

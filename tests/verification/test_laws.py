@@ -204,7 +204,7 @@ def test_what_knows_proportional_laws_alone_refuses_a_curve(curved, solve):
 
 @pytest.mark.parametrize("to", ["nastran", "mat", "fmu", "npz", "exudyn"])
 def test_no_file_holds_another_law_than_the_model(curved, tmp_path, to):
-    with pytest.raises(StudyError, match=f"'joint' has the law 'rough', which {to} does not ca"):
+    with pytest.raises(StudyError, match=f"'joint' has the law 'rough', which {to} does not su"):
         export(curved[0], to, out=tmp_path / "joint")
     assert not list(tmp_path.iterdir())
 

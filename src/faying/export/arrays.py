@@ -1,4 +1,4 @@
-"""The variables of a contact-capable hand-over, the same in MATLAB and NumPy files.
+"""The variables of an export with contact, equal in MATLAB and NumPy files.
 
 ``docs/how-to/export_to_matlab.md`` has the table of their names; tests compare it with this module.
 """
@@ -21,18 +21,18 @@ from faying.study.results.values import Results
 
 
 def variables(rom: ReducedModel) -> dict[str, Any]:
-    """Return the variables of a reduced model but for N and T, which are sparse.
+    """Return the variables of a reduced model, without the sparse N and T.
 
-    Numbers are float64, what points into other arrays from zero is int64, names are text.
+    Numbers are float64, indices into other arrays (from zero) int64, names text.
 
     Raises
     ------
     ModelError
-        If the model does not know its recovery matrices, or as :func:`refuse_expanding_bolts`.
+        If the model has no recovery matrices, or as :func:`refuse_expanding_bolts`.
 
     Notes
     -----
-    G = N P is formed; everything else is taken as it is.
+    G = N P is computed; all other variables are members of the model.
     """
     refuse_expanding_bolts(rom)
     contact, bolts, n_mode = rom.contact, rom.bolts, len(rom.K)
@@ -79,19 +79,19 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
 
 
 def refuse_expanding_bolts(rom: ReducedModel) -> None:
-    """Refuse temperatures of bolts, whose part of the bolt force these formats do not hold."""
+    """Refuse temperatures of bolts, whose part of the bolt force these formats lack."""
     for name, pattern in rom.load_patterns.items():
         if any(pattern.bolt_forces.values()):
             refuse_study(
-                f"temperature '{name}' expands bolts, whose forces this format would not tell; "
-                "export to linearized, or leave it out of the load cases"
+                f"temperature '{name}' expands bolts, whose forces this format cannot contain; "
+                "export to linearized, or remove it from the load cases"
             )
 
 
 def sparse_variables(rom: ReducedModel) -> dict[str, SparseMatrix]:
-    """Return N and T, openings and tangential displacements at the points from the pairs.
+    """Return N and T, from pair displacements to openings and tangential displacements at points.
 
-    T has a row for the first tangent of every point, then one for the second of every point; rows
+    T has the rows of the first tangent of all points, then of the second; rows
     of points without friction are empty.
     """
     contact = rom.contact
@@ -102,7 +102,7 @@ def sparse_variables(rom: ReducedModel) -> dict[str, SparseMatrix]:
 
 
 def numpy_variables(rom: ReducedModel) -> dict[str, Any]:
-    """Return all variables as plain arrays, N as ``N_rows``, ``N_columns``, ``N_values``, T too."""
+    """Return all variables as arrays, N and T as ``N_rows``, ``N_columns``, ``N_values`` etc."""
     arrays = variables(rom)
     for name, matrix in sparse_variables(rom).items():
         entries = matrix.tocoo()
@@ -115,7 +115,7 @@ def numpy_variables(rom: ReducedModel) -> dict[str, Any]:
 
 
 def _tangential_penalty(rom: ReducedModel) -> Vector:
-    """Return c_t (n_point,); infinite where nothing gives that sticks, and without friction."""
+    """Return c_t (n_point,); infinite for rigid sticking, and without friction."""
     every = np.full(rom.contact.n_points, np.inf)
     rigid = rom.contact.tangential_flexibility == 0
     relative = rom.contact.weights[rom.contact.rubbing] * rom.contact.tangential_flexibility
@@ -154,7 +154,7 @@ def _interface_of_point(rom: ReducedModel) -> Indices:
 
 
 def _boundary_names(rom: ReducedModel) -> list[str]:
-    """Name every boundary degree of freedom: boundary, node id and component."""
+    """Return the name of every boundary degree of freedom: boundary, node id and component."""
     return [
         f"{name}.{node}.{DISPLACEMENT_NAMES[component]}"
         for name, boundary in rom.boundaries.items()
@@ -167,7 +167,7 @@ def _boundary_names(rom: ReducedModel) -> list[str]:
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write the variables of :mod:`faying.export.arrays` to a compressed archive.
 
-    N and T are kept as three arrays each, such as ``N_rows``, ``N_columns`` and ``N_values``;
+    N and T are stored as three arrays each, such as ``N_rows``, ``N_columns`` and ``N_values``;
     nothing is pickled.
     """
     with path.open("wb") as file:

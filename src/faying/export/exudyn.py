@@ -1,4 +1,4 @@
-"""A contact-capable hand-over for Exudyn: a Python module and its data."""
+"""Export with contact for Exudyn: a Python module and its data."""
 
 import re
 from pathlib import Path
@@ -12,19 +12,19 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.values import Results
 
 PARTS = ("exudyn_joint.py", "exudyn_contact.py")
-"""What is handed over, word for word: the second takes the place of its import in the first."""
+"""Source files that are copied; the second replaces its import in the first."""
 
 
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write a module that adds the joint to a multibody system, and its ``.npz`` beside it.
 
-    What Python cannot import by name, as in ``jim-b-20.py``, becomes an underscore.
+    Characters that are invalid in module names, as in ``jim-b-20.py``, become underscores.
 
     Raises
     ------
     StudyError
-        If contact is hard and the model does not keep its residual compliance, so that no function
-        of q gives the contact forces.
+        If contact is hard and the model has no residual compliance, so that contact forces are
+        not a function of q.
     """
     _check_law(rom)
     module = path.with_name(f"{_importable(path.stem)}.py")
@@ -36,7 +36,7 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
 
 
 def _source() -> str:
-    """Return the text of the module, one file that does not import faying."""
+    """Return the text of the module, which does not import faying."""
     whole, contact = (Path(__file__).with_name(name).read_text(encoding="utf-8") for name in PARTS)
     head, _, tail = whole.partition("from faying.")
     body = tail.split("\n", 1)[1]
@@ -44,7 +44,7 @@ def _source() -> str:
 
 
 def _arrays(rom: ReducedModel) -> dict[str, Any]:
-    """Return the variables of the model, and what floating frames need where it is known."""
+    """Return the variables of the model, with those of floating frames if known."""
     floating = {
         "invariants": rom.invariants,
         "modes": rom.mesh.modes,
@@ -62,8 +62,8 @@ def _check_law(rom: ReducedModel) -> None:
     contact = rom.contact
     if contact.residual_compliance is None and np.isinf(contact.penalty).any():
         refuse_study(
-            f"contact is hard and '{rom.method}' keeps no compliance besides its trial vectors, "
-            "so the contact forces are no function of the coordinates, as Exudyn wants them; "
+            f"contact is hard and '{rom.method}' has no compliance beside its trial vectors, "
+            "so contact forces are not a function of the coordinates, as Exudyn needs; "
             "export 'compliance' or a method ending in '+compliance', or give a penalty"
         )
 

@@ -1,6 +1,6 @@
-"""Contact forces of a reduced joint with NumPy alone; becomes part of the module for Exudyn.
+"""Contact forces of a reduced joint with NumPy alone; part of the module for Exudyn.
 
-:mod:`faying.export.exudyn` puts all but the imports into the module that it writes.
+:mod:`faying.export.exudyn` copies all but the imports into the module that it writes.
 """
 
 from pathlib import Path
@@ -13,18 +13,18 @@ Array = np.ndarray[Any, np.dtype[Any]]
 COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")
 FORCES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 ROUND_OFF = 1e-11
-"""Gaps over the largest that tell nothing: where more is left at closed points, the inverse is
-formed anew."""
+"""Round-off of gaps over the largest gap. Where closed points have a larger gap, the inverse is
+computed again."""
 EPSILON = float(np.finfo(float).eps)
 SMALLEST_FLEXIBILITY = 1e-6
-"""Of contact at a point over that of the joint there: it tells forces apart, and gaps are a
-millionth off."""
+"""Flexibility of contact at a point over that of the joint there: it makes forces unique, and
+changes gaps by a millionth."""
 
 
 class CoupledPoints:
-    """Contact points that feel each other: a complementarity problem with a remembered active set.
+    """Coupled contact points: a complementarity problem that keeps its active set.
 
-    The inverse of the active block is kept, at full size with zeros elsewhere, and changed by as
+    The inverse of the active block is stored at full size with zeros elsewhere, and updated by as
     many ranks as points open or close.
     """
 
@@ -38,8 +38,8 @@ class CoupledPoints:
     def solve(self, gap: Array) -> Array:
         """Return the forces (n_point,) for gaps without them (n_point,).
 
-        Wrong signs change sides all at once, and one at a time, by the largest index, where that
-        has not helped for twenty times (block principal pivoting).
+        All points with wrong signs change state at once; only the one of the largest index, where
+        twenty such steps did not reduce their number (block principal pivoting).
         """
         active, largest = self.active, np.abs(gap).max(initial=0.0)
         root = np.sqrt(self.diagonal)
@@ -52,7 +52,7 @@ class CoupledPoints:
                 self._inverse[:] = 0.0
                 forces = -(self.inverse(active) @ gap)
                 slack = self.flexibility @ forces + gap
-            # Where weak springs hold a part, forces that balance move it far more than the gap.
+            # Balanced forces move a part on weak springs far more than the gap.
             noise = np.maximum(ROUND_OFF * largest, EPSILON * (root @ np.abs(forces)) * root)
             wrong = np.where(active, self.diagonal * forces < -noise, slack < -noise)
             count = int(np.count_nonzero(wrong))
@@ -90,7 +90,7 @@ class CoupledPoints:
 
 
 class ReducedJoint:
-    """What the data file holds, and the user functions that Exudyn calls."""
+    """The joint of a data file, with the user functions of Exudyn."""
 
     def __init__(self, path: Path) -> None:
         with np.load(path) as file:
@@ -110,7 +110,7 @@ class ReducedJoint:
 
     @property
     def load_names(self) -> list[str]:
-        """Return the loads of the deck that the study applied."""
+        """Names of the deck loads of the study."""
         return [str(name) for name in self.data["load_names"]]
 
     def _law(self, flexibility: Array) -> CoupledPoints:
@@ -119,7 +119,7 @@ class ReducedJoint:
             1.0 / (self.data["cn"] * self.weights), SMALLEST_FLEXIBILITY * diagonal
         )
         if not penalty.all():
-            message = "hard contact needs a model with the compliance its trial vectors lack"
+            message = "hard contact needs a model with residual compliance"
             raise ValueError(message)
         return CoupledPoints(flexibility + np.diag(penalty))
 
@@ -158,15 +158,15 @@ class ReducedJoint:
         return np.concatenate([[largest], clamp, bolts])
 
     def output_names(self) -> list[str]:
-        """Return what each entry of the outputs is."""
+        """Return the names of the outputs."""
         clamps = [f"{name}.clamp" for name in self.data["interface_names"]]
         return ["max_pressure", *clamps, *(f"{name}.N" for name in self.data["bolt_names"])]
 
     def boundary_forces(self, name: str) -> list[int]:
-        """Return which boundary degrees of freedom a force such as ``"tip.Fz"`` acts on.
+        """Return the boundary degrees of freedom on which a force such as ``"tip.Fz"`` acts.
 
         ``"tip.17.Fz"`` is the force on node 17 of a boundary of several nodes; without a number it
-        is shared evenly between them. ``data["boundary"]`` has the coordinate of each.
+        is shared evenly by all nodes. ``data["boundary"]`` has the coordinate of each.
         """
         parts = [text.rsplit(".", 2) for text in self.data["boundary_names"]]
         names = [(boundary, node, FORCES[COMPONENTS.index(c)]) for boundary, node, c in parts]
@@ -178,7 +178,7 @@ class ReducedJoint:
         ]
         if not chosen:
             takes = ", ".join([*choices, *self.load_names])
-            message = f"the joint takes no load '{name}'; it takes {takes}"
+            message = f"the joint has no load '{name}'; its loads are {takes}"
             raise ValueError(message)
         return chosen
 
@@ -189,9 +189,9 @@ class ReducedJoint:
         loads: dict[str, Array] | None = None,
         frame: Array | None = None,
     ) -> Array:
-        """Return the pressures of the full finite element model in a moving state.
+        """Return the pressures of the full finite element model in motion.
 
-        Only inertia and damping forces are taken from the motion; contact is solved anew with the
+        Only inertia and damping forces come from the motion; contact is solved again with the
         flexibility of the whole structure.
 
         Parameters
@@ -199,7 +199,7 @@ class ReducedJoint:
         velocity, acceleration : (n_time, n_mode)
             q̇ and q̈.
         loads
-            ``"tip.Fz"`` and the like to forces (n_time,), deck loads to factors; others are zero.
+            Forces (n_time,) by names such as ``"tip.Fz"``, factors by deck load; others are zero.
         frame : (n_time, 12), optional
             Accelerations of a moving frame, see :func:`frame_fields`.
 

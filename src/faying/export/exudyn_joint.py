@@ -9,12 +9,12 @@ Needs NumPy and Exudyn, and the file of the same name ending in ``.npz`` beside 
     compliance.add_load(mbs, added, "tip.Fz", -500.0)    # a constant, or a function of time
     watched = compliance.add_sensors(mbs, added)
 
-Motion is M q̈ + C q̇ + K q = f + f_bolts + Gᵀ λ(q): the mass matrix and its companions of a finite
-element model between trial vectors, and the contact forces λ ≥ 0 at the contact points, which obey
+Motion is M q̈ + C q̇ + K q = f + f_bolts + Gᵀ λ(q), with the projected matrices of a finite
+element model, and the contact forces λ ≥ 0 at the contact points, which obey
 
     s = (R + D) λ + g₀ + G q ≥ 0,   λ s = 0,   D = diag(1 / (penalty · area))
 
-with R the flexibility of the surroundings that the trial vectors lack. Where s > 0 the joint gapes.
+with R the residual flexibility beside the trial vectors. Where s > 0 the joint is open.
 Units are those of the model, ``joint().data["units"]``; pressure is positive in compression.
 """
 
@@ -30,7 +30,7 @@ import numpy as np
 
 from faying.export.exudyn_contact import FORCES, Array, ReducedJoint
 
-# Exudyn is typed in part only; as Any it pleases type checkers.
+# Any, since Exudyn is only partly typed.
 exu: Any = import_module("exudyn")
 eii: Any = import_module("exudyn.itemInterface")
 bodies: Any = import_module("exudyn.rigidBodyUtilities")
@@ -38,7 +38,7 @@ bodies: Any = import_module("exudyn.rigidBodyUtilities")
 
 @dataclass(frozen=True)
 class Added:
-    """Numbers of what was added to a system.
+    """Numbers of the items that were added to a system.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Added:
 
 @dataclass(frozen=True)
 class Watched:
-    """Numbers of sensors: coordinates q and their derivatives, and the outputs of the joint."""
+    """Numbers of the sensors of q, its derivatives, and the outputs of the joint."""
 
     position: int
     velocity: int
@@ -74,7 +74,7 @@ def add_joint(mbs: Any, *, jacobian: bool = True) -> Added:
     mbs
         Exudyn's MainSystem.
     jacobian
-        Give Exudyn the tangent of the contact; otherwise it takes differences, which is slow.
+        Give Exudyn the tangent of contact; otherwise it uses slow finite differences.
     """
     node = _coordinates(mbs)
     data = joint().data
@@ -94,17 +94,17 @@ def add_body(
 ) -> Added:
     """Add the joint as a flexible body whose supports are fixed to a moving frame.
 
-    The frame is where the finite element model was supported, so it holds no rigid-body modes:
-    attach to the frame's node what carries the supports.
+    The frame replaces the supports of the finite element model, so there are no rigid-body modes:
+    attach the carrier of the supports to the frame's node.
 
     Parameters
     ----------
     frame
-        Point of the mesh where the origin of the frame is to be.
+        Point of the mesh at the origin of the frame.
     position, rotation, velocity, angular_velocity
-        Of the frame at the start, in the global frame; ``position`` is ``frame`` unless given.
+        Initial state of the frame in global axes; ``position`` is ``frame`` unless given.
     gravity
-        Acts on frame and deformation.
+        Gravity on frame and deformation.
     """
     data = joint().data
     if "invariants" not in data:
@@ -146,11 +146,11 @@ def add_body(
 def add_load(
     mbs: Any, added: Added, name: str, load: float | Callable[[float], float]
 ) -> list[int]:
-    """Load a boundary, e.g. ``"tip.Fz"``, with a constant or a function of time.
+    """Load a boundary, such as ``"tip.Fz"``, with a constant or a function of time.
 
-    The name of a deck load stands for what it is multiplied by; not on a body. There only forces,
-    and in global axes; moments need a marker of your own (``MarkerSuperElementRigid`` on the nodes
-    around).
+    For a deck load, ``load`` is its factor; not on a body, which takes only forces
+    in global axes. Moments on a body need your own marker (``MarkerSuperElementRigid`` on nodes
+    nearby).
 
     Returns
     -------
@@ -180,7 +180,7 @@ def add_load(
 def _deck_load(
     mbs: Any, added: Added, name: str, load: float | Callable[[float], float]
 ) -> list[int]:
-    """Add a load to every coordinate that a load of the deck works on."""
+    """Add a load to every coordinate on which a deck load does work."""
     if added.body is not None:
         message = (
             f"'{name}' is a load of the deck; on a body only forces at boundaries can be added"
@@ -233,14 +233,14 @@ def add_sensors(mbs: Any, added: Added, **options: Any) -> Watched:
 def frame_fields(
     acceleration: Array, angular_velocity: Array, angular_acceleration: Array
 ) -> Array:
-    """Return what :meth:`ReducedJoint.recover` needs of a moving frame (n_time, 12).
+    """Return the accelerations of a moving frame (n_time, 12) for :meth:`ReducedJoint.recover`.
 
     Parameters
     ----------
     acceleration : (n_time, 3)
-        Of the origin **of the mesh**, less gravity, in the axes of the frame.
+        Acceleration of the origin **of the mesh**, less gravity, in the axes of the frame.
     angular_velocity, angular_acceleration : (n_time, 3)
-        In the axes of the frame.
+        Components in the axes of the frame.
     """
     turning, gaining = _skew(angular_velocity), _skew(angular_acceleration)
     matrix = gaining + turning @ turning
@@ -253,9 +253,9 @@ def inertia(invariants: Array, origin: Array) -> dict[str, Any]:
     Parameters
     ----------
     invariants : (4 + 3 n_mode, 4 + 3 n_mode)
-        Of products of 1, x, y, z and the components of the modes.
+        Integrals of products of 1, x, y, z and the components of the modes.
     origin : (3,)
-        Of the frame.
+        Origin of the frame.
     """
     shift = np.eye(len(invariants))
     shift[1:4, 0] = -origin
@@ -298,8 +298,8 @@ def _coordinates(mbs: Any) -> int:
 
 
 def _contact(mbs: Any, node: int, M: Array, C: Array, K: Array, *, jacobian: bool) -> int:
-    """Mass, damping, stiffness, bolts and contact on one node."""
-    # Several joints in one system each remember their own active set.
+    """Add mass, damping, stiffness, bolts and contact on a node."""
+    # Each joint in a system has its own active set.
     joint_copy = copy(joint())
     joint_copy.contact = type(joint_copy.contact)(joint_copy.contact.flexibility)
     item = eii.ObjectGenericODE2(
@@ -357,7 +357,7 @@ def _skew(vectors: Array) -> Array:
 
 
 def _tilted(products: Array) -> Array:
-    """Return ∫ũᵀṽ (..., 3, 3) from ∫u_k v_l: its trace times the identity less its transpose.
+    """Return ∫ũᵀṽ (..., 3, 3) from ∫u_k v_l: trace times identity minus transpose.
 
     That is δ_kl ∫u·v − ∫v_k u_l.
     """

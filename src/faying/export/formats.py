@@ -1,12 +1,12 @@
-"""Every format a reduced model can be handed over in, and the one function that writes any of them.
+"""The export formats of reduced models, and the function that writes them.
 
 A format is a module with ``write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path,
 ...]``: it writes the file ``path``, or files named after it beside it, and returns them all,
-``path`` or what stands in its place first; ``run`` is where the model comes from, if it does from
-one. Modules are imported when their format is asked for.
+the main file first; ``run`` is the run of the model, if
+any. Modules are imported when their format is used.
 
-Two classes exist. A *contact-capable* hand-over carries gap operator, law and residual compliance,
-so that the receiving program opens and closes the joint itself. A *linear* one is the joint
+Two classes exist. A *contact-capable* export has gap operator, law and residual compliance,
+so that the receiving program opens and closes the joint itself. A *linear* export is the joint
 linearized at its preloaded state (:mod:`faying.export.linearized`).
 """
 
@@ -37,10 +37,10 @@ CURVES = "curves"
 MEANINGS = {
     LINEAR: "the joint linearized at its preloaded state; it neither opens nor closes",
     CONTACT: "the receiving program opens and closes the joint",
-    PICTURES: "to look at; no model is handed over",
-    CURVES: "responses to harmonic loads; no model is handed over",
+    PICTURES: "fields for viewers; no model is exported",
+    CURVES: "responses to harmonic loads; no model is exported",
 }
-"""What each class of hand-over can do."""
+"""Description of each class of exports."""
 
 RUBS = "carried"
 STICKS = "every closed point sticks"
@@ -48,20 +48,20 @@ STICKS = "every closed point sticks"
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """A format of hand-over.
+    """An export format.
 
     Attributes
     ----------
     module
-        Where its ``write`` is.
+        Module with its function ``write``.
     kind
         ``LINEAR``, ``CONTACT``, ``PICTURES`` or ``CURVES``.
     suffix
-        Of the file it writes; empty where that is a folder.
+        Suffix of the file; empty for a folder.
     extra
-        Extra of faying that installs what it needs; empty where it needs nothing.
+        Extra of faying with the required packages; empty without any.
     friction
-        What becomes of it: ``RUBS``, ``STICKS``, or empty where joints with friction are refused.
+        Treatment of friction: ``RUBS``, ``STICKS``, or empty if joints with friction are refused.
     """
 
     module: str
@@ -82,7 +82,7 @@ FORMATS = {
         module="faying.export.uff", kind=CURVES, suffix=".uff", extra="uff", friction=RUBS
     ),
 }
-"""Format name to format."""
+"""Formats by name."""
 
 
 def export(
@@ -93,7 +93,7 @@ def export(
     method: str | None = None,
     joint_modes: int | None = None,
 ) -> tuple[Path, ...]:
-    """Hand a reduced model over to another program.
+    """Write a reduced model in the format of another program.
 
     Parameters
     ----------
@@ -102,21 +102,21 @@ def export(
     to
         Name of a format: nastran, mat, fmu, exudyn, vtk, npz, uff.
     out
-        File to write; without suffix it gets that of the format. By default it is named after the
+        File to write; a missing suffix is added. By default it is named after the
         model, in the folder of the run.
     method, joint_modes
-        Which reduced model of a run; ``"compliance"``, and the most joint modes it has.
+        Reduced model of a run; by default ``"compliance"``, and its largest number of joint modes.
 
     Returns
     -------
     tuple of Path
-        All files that were written. They appear once all are complete, and replace older ones.
+        All written files. They appear once all are complete, and replace older ones.
 
     Raises
     ------
     StudyError
-        If there is no such format or model, what the format needs is not installed, or the format
-        does not carry the friction or the contact law of the joint.
+        If the format or model does not exist, a required package is not installed, or the format
+        does not support the friction or the contact law of the joint.
     FormatError
         If the run cannot be read or the files cannot be written.
     """
@@ -127,10 +127,10 @@ def export(
         _check_laws(rom, to)
     _check_friction(rom, to, chosen)
     if out is None and folder is None:
-        refuse_study(f"nothing says where to write the {to} file; give out=")
+        refuse_study(f"the {to} file has no path; give out=")
     target = (folder or Path()) / default_name(rom, to) if out is None else Path(out)
     if target.is_dir() and chosen.suffix:
-        refuse(f"{target} is a folder; name a file, such as {target / default_name(rom, to)}")
+        refuse(f"{target} is a folder; give a file, such as {target / default_name(rom, to)}")
     named = target if target.suffix else target.with_name(target.name + chosen.suffix)
     return _write(rom, run, to, chosen, named)
 
@@ -138,7 +138,7 @@ def export(
 def run_model(
     run: Results, method: str | None = None, joint_modes: int | None = None
 ) -> ReducedModel:
-    """Return the reduced model of a run that is handed over unless another is named.
+    """Return a reduced model of a run, by default the one to export.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def run_model(
 def _given(
     source: ReducedModel | Results | Path | str, method: str | None, joint_modes: int | None
 ) -> tuple[ReducedModel, Results | None, Path | None]:
-    """Return the model, the run it comes from and the folder to write in, as far as there are."""
+    """Return the model, its run if any, and the folder to write to if known."""
     if isinstance(source, ReducedModel):
         return source, None, None
     if isinstance(source, Results):
@@ -173,12 +173,12 @@ def format_named(name: str) -> Format:
 
 
 def default_name(rom: ReducedModel, to: str) -> str:
-    """Return the file name a model gets unless another is asked for."""
+    """Return the default file name of a model in a format."""
     if FORMATS[to].kind == CURVES:
         return f"frf{FORMATS[to].suffix}"
     label = f"{rom.method}-{rom.joint_modes}" if rom.joint_modes else rom.method
     stem, suffix = file_names([label])[label], FORMATS[to].suffix
-    if suffix == ".py":  # a module must have a name that can be imported
+    if suffix == ".py":  # modules need an importable name
         return re.sub(r"\W", "_", f"{stem}_{to}") + suffix
     return f"{stem}{suffix}" if suffix else f"{stem}-{to}"
 
@@ -191,7 +191,7 @@ def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
             for hand_over in ((CONTACT, RUBS), (LINEAR, STICKS))
         )
         refuse_study(
-            f"interface '{rubbing[0]}' has friction, which {to} does not carry; hand over the "
+            f"interface '{rubbing[0]}' has friction, which {to} does not support; export the "
             f"joint with it ({whole}), the linear joint ({linear}), in which every closed point "
             "sticks, or the joint without friction (model.with_friction(0), or a study without "
             "'friction')"
@@ -199,12 +199,12 @@ def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
 
 
 def _check_laws(rom: ReducedModel, to: str) -> None:
-    """Refuse laws that formats know no parameters of."""
+    """Refuse contact laws without parameters in the formats."""
     for name, law in rom.contact.laws.items():
         if not law.proportional:
             refuse_study(
                 f"interface '{name}' has the law '{law.normal.name}', which {to} does not "
-                "carry; hand over the joint with a penalty (model.with_penalty, or 'penalty' in a "
+                "support; export the joint with a penalty (model.with_penalty, or 'penalty' in a "
                 "study)"
             )
 
@@ -212,7 +212,7 @@ def _check_laws(rom: ReducedModel, to: str) -> None:
 def _write(
     rom: ReducedModel, run: Results | None, to: str, chosen: Format, path: Path
 ) -> tuple[Path, ...]:
-    """Write aside, then move: a failure on the way leaves what was there before."""
+    """Write to a temporary folder, then move the files, so that a failure keeps older files."""
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as aside:

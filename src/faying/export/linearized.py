@@ -1,4 +1,4 @@
-"""The linear hand-over: a joint linearized at a static state, for programs without contact.
+"""The linear export: a joint linearized at a static state, for programs without contact.
 
 Points in contact at the state stay closed, open ones stay open. With the residual compliance R of
 the model, the closed points A obey
@@ -9,18 +9,18 @@ so that the contact forces follow q exactly, λ_A = −(D_A + R_AA)⁻¹ (g₀_A
 
     K_lin = K_r + (GΦ)_Aᵀ (D_A + R_AA)⁻¹ (GΦ)_A.
 
-Static response is then that of the full model linearized at the same state: R holds what the trial
-vectors lack. Hard contact (D = 0) is the limit; its points get the millionth part of their own
-compliance, as in :func:`faying.preloaded_frequencies`, for they may be dependent.
+The static response equals that of the full model linearized at the same state, because R holds
+the residual compliance. Hard contact (D = 0) is the limit; its points get a millionth of their
+compliance, as in :func:`faying.preloaded_frequencies`, because they may be dependent.
 
-With friction every closed point sticks: G has the tangential displacements of closed points too,
-and D what the tangential penalty yields. The model is then right until the first point slips, and
-knows no friction damping.
+With friction every closed point sticks: G also has the tangential displacements of closed points,
+and D their tangential flexibility. The model is then valid until the first point slips, and
+has no friction damping.
 
-What it cannot do: open or close the joint, so it has no softening when the joint gapes and no
-stiffening when it shuts; slide outside the sticking area; damp by impact; stay right under loads or
-bolt forces far from the state. :meth:`LinearModel.contact_forces` tells when it is asked for too
-much: a force below zero pulls the joint together, a gap below zero lets it interpenetrate.
+The model cannot open or close the joint, so it has no softening when the joint opens and no
+stiffening when it closes. It cannot slide outside the sticking area, damp by impact, or be valid
+under loads or bolt forces far from the state. :meth:`LinearModel.contact_forces` shows the limit
+of validity: a negative force is tension, a negative gap is penetration.
 """
 
 from dataclasses import dataclass
@@ -54,26 +54,26 @@ class LinearModel(Frozen):
     Attributes
     ----------
     M, C, K : (n_mode, n_mode)
-        K holds the tangent of the contact.
+        Mass, damping and stiffness with the tangent of the contact.
     state : (n_mode,)
-        q₀, the static state itself.
+        The static state q₀.
     boundary : (n_boundary,)
-        Coordinate that each boundary degree of freedom is, boundary by boundary.
+        Coordinate of each boundary degree of freedom, boundary by boundary.
     inputs : (n_mode, n_input)
-        B: per unit of each boundary force or moment, then of each bolt's initial force, then of
-        each load pattern; f are the changes from the state.
+        B: columns of boundary forces and moments, then of initial bolt forces, then of
+        load patterns; f are changes from the state.
     outputs : (n_output, n_mode)
-        L: changes of boundary displacements, then bolt forces, then clamp forces of the interfaces
-        per x.
+        L: rows of boundary displacements, then of bolt forces, then of clamp forces of interfaces,
+        per x of the motion.
     feedthrough : (n_output, n_input)
-        D: what inputs add to outputs without motion: a bolt's initial force is part of its force.
+        D: direct effect of inputs on outputs: a bolt's initial force is part of its force.
     output_offsets : (n_output,)
-        Their values at the state.
+        Outputs at the state.
     input_names, output_names
-        As ``"tip.Fz"``, ``"bolt.N0"``, the name of a load; ``"tip.uz"``, ``"bolt.N"``,
+        Such as ``"tip.Fz"``, ``"bolt.N0"``, the name of a load; ``"tip.uz"``, ``"bolt.N"``,
         ``"joint.clamp"``; with the node id between where a boundary has several nodes.
     rigid_motions : (n_mode, n_motion)
-        Motions as a whole that nothing resists, orthonormal in M.
+        Rigid-body motions without resistance, orthonormal in M.
     closed : (n_point,)
         Contact points in contact at the state.
     force_rows, gap_rows : (n_point, n_mode)
@@ -101,9 +101,9 @@ class LinearModel(Frozen):
     gap_offsets: Vector
 
     def frequencies(self, count: int | None = None) -> Vector:
-        """Return the lowest natural frequencies [1/time], all unless a number is given.
+        """Return the lowest natural frequencies [1/time]; all by default.
 
-        Motions as a whole, which nothing resists, are none of them.
+        Rigid-body motions are not included.
         """
         return self.modes(count)[0]
 
@@ -115,26 +115,26 @@ class LinearModel(Frozen):
         return np.sqrt(squares) / (2 * np.pi), shapes
 
     def contact_forces(self, motion: Matrix) -> Matrix:
-        """Return contact forces (..., n_point) in a motion x (..., n_mode); below zero is wrong."""
+        """Return contact forces (..., n_point) of a motion x (..., n_mode); invalid if negative."""
         return self.force_offsets + motion @ self.force_rows.T
 
     def gaps(self, motion: Matrix) -> Matrix:
-        """Return gaps (..., n_point) in a motion x (..., n_mode); below zero is wrong if open."""
+        """Return gaps (..., n_point) of a motion (..., n_mode); invalid if negative where open."""
         return self.gap_offsets + motion @ self.gap_rows.T
 
 
 def linearize(about: ReducedModel | Solution) -> LinearModel:
-    """Linearize a reduced model about one static solution of it, or the end of a path.
+    """Linearize a reduced model about a static solution, or the end of a path.
 
     Parameters
     ----------
     about
-        The solution, of a reduced model with dense matrices; or such a model, then about the joint
-        under its bolts alone, tightened with friction in one increment where there is some.
+        Solution of a reduced model with dense matrices; or such a model, linearized about the joint
+        under its bolts alone, tightened in one increment, with friction if any.
 
     Notes
     -----
-    One Cholesky factorization of the size of the closed points.
+    It takes one Cholesky factorization of the size of the closed points.
     """
     state = last_of(about) if isinstance(about, Solution) else solve_static(about)
     system = state.system
@@ -162,7 +162,7 @@ def linearize(about: ReducedModel | Solution) -> LinearModel:
 
 
 def _contact_rows(state: Solution, closed: Mask) -> tuple[Matrix, Matrix, Matrix]:
-    """Return what contact adds to K, and changes of forces and gaps (n_point, n_mode) per q."""
+    """Return the contact stiffness, and derivatives of forces and gaps (n_point, n_mode) by q."""
     system, contact = state.system, state.system.contact
     gaps = np.array(contact.gap_operator)
     rows, flexibility = stuck_springs(system, state)
@@ -203,7 +203,7 @@ def _outputs(system: System) -> tuple[str, ...]:
 
 
 def boundary_names(system: System, components: tuple[str, ...]) -> tuple[str, ...]:
-    """Name every boundary degree of freedom."""
+    """Return the names of all boundary degrees of freedom."""
     return tuple(
         f"{place}.{components[component]}"
         for boundary in system.boundaries.values()
@@ -227,7 +227,7 @@ def _output_rows(system: System, forces: Matrix) -> Matrix:
 
 
 def _feedthrough(system: System) -> Matrix:
-    """Return what inputs do to bolt forces at zero elongation."""
+    """Return D, the bolt forces from inputs at zero elongation."""
     n_boundary, n_bolt = len(boundary_dofs(system.boundaries)), len(system.bolts)
     matrix = np.zeros((len(_outputs(system)), len(_inputs(system))))
     bolts = slice(n_boundary, n_boundary + n_bolt)

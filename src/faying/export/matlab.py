@@ -1,4 +1,4 @@
-"""A contact-capable hand-over as a .mat file with functions for MATLAB and Octave beside it."""
+"""Export with contact as a .mat file, with functions for MATLAB and Octave beside it."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -27,7 +27,7 @@ FUNCTIONS = (
 """Files of the folder ``octave``, copied beside the .mat file."""
 
 MOST_BYTES = 2**31
-"""Size of one variable that version 5 of the format can say."""
+"""Largest size of a variable in version 5 of the format."""
 
 
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
@@ -42,13 +42,13 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
                 f"the matrix {name} of shape {array.shape} exceeds the 2 GiB a .mat file can hold; "
                 "export to npz, or use a coarser interface"
             )
-    content = {name: _as_matlab_has_it(array) for name, array in members.items()}
+    content = {name: _matlab_value(array) for name, array in members.items()}
     content |= {name: matrix.tocsc() for name, matrix in sparse_variables(rom).items()}
     scipy.io.savemat(path, content, format="5", do_compression=True, long_field_names=True)
     return (path, *(_copied(name, path.parent) for name in FUNCTIONS))
 
 
-def _as_matlab_has_it(array: Any) -> Any:
+def _matlab_value(array: Any) -> Any:
     if array.dtype.kind == "U":
         return np.array([*array.tolist()], dtype=object)[:, None] if array.ndim else array.item()
     numbers = array + 1.0 if array.dtype.kind == "i" else array

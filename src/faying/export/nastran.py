@@ -1,4 +1,4 @@
-"""The linear hand-over for Nastran: an external superelement with OP4 matrices, or DMIG cards.
+"""The linear export for Nastran: an external superelement with OP4 matrices, or DMIG cards.
 
 Rows of all matrices are the *superelement's*: boundary grids in ascending order of id and
 component, then one scalar point for every other generalized coordinate.
@@ -25,7 +25,7 @@ SUPERELEMENT = 100
 """Id of the superelement, and the Fortran unit of its OP4 file."""
 
 FIRST_POINT = 1_000_001
-"""Id of the first scalar point where grids have smaller ones."""
+"""Id of the first scalar point, if all grids have smaller ids."""
 
 _AFTER = ("K4XX", "PA", "GPXX", "GDXX", "RVAX")
 _OUTPUTS = ("MUG1", "MES1", "MEE1", "MGPF", "MEF1", "MQG1", "MQMG1")
@@ -33,12 +33,12 @@ _OUTPUTS = ("MUG1", "MES1", "MEE1", "MGPF", "MEF1", "MQG1", "MQMG1")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Rows:
-    """What the rows of the superelement are.
+    """The rows of the superelement.
 
     Attributes
     ----------
     dofs : (n, 2)
-        Grid id and component 1..6; scalar point id and 0.
+        Grid id and component 1..6, or scalar point id and 0.
     order : (n,)
         Generalized coordinate q of each row.
     """
@@ -53,7 +53,7 @@ class Rows:
 
     @property
     def grids(self) -> dict[int, str]:
-        """Grid id to its components, such as "123456"."""
+        """Components of each grid by id, such as "123456"."""
         grids: dict[int, str] = {}
         for grid, component in self.dofs[self.dofs[:, 1] > 0].tolist():
             grids[grid] = grids.get(grid, "") + str(component)
@@ -63,21 +63,21 @@ class Rows:
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
     """Write a superelement ``path`` (.op4) with .asm and .pch, or DMIG cards for a path .dmig.
 
-    Beside either: recovery matrices (``_recovery.op4``) and a text that says what is what
+    Recovery matrices (``_recovery.op4``) and an explanation are written beside them
     (``_readme.txt``).
 
     Raises
     ------
     FormatError
-        If the path ends in anything else, or ids leave no room for scalar points.
+        If the path has another suffix, or ids leave no room for scalar points.
     StudyError
         If the run applies loads of its deck.
 
     Notes
     -----
     Sources of the layout: external superelement creation (EXTSEOUT) and SEBULK, SECONCT, EXTRN in
-    the Nastran quick reference guides; the order of the matrices is that of pyYeti's
-    ``wtextseout``. DMIG keeps ten digits at least, OP4 all.
+    the Nastran quick reference guides; the order of the matrices is as in pyYeti's
+    ``wtextseout``. DMIG has at least ten digits, OP4 all.
     """
     _refuse_deck_loads(rom)
     linear, rows = linearize(rom), superelement_rows(rom)
@@ -86,7 +86,7 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
     elif path.suffix.lower() == ".dmig":
         files = _write_dmig(rom, linear, rows, path)
     else:
-        refuse(f"{path.name} ends in '{path.suffix}'; Nastran takes .op4 or .dmig")
+        refuse(f"{path.name} ends in '{path.suffix}', expected .op4 or .dmig; change it")
     recovery, text = (path.with_name(path.stem + end) for end in ("_recovery.op4", "_readme.txt"))
     write_op4(recovery, recovery_matrices(rom, linear, rows))
     text.write_text(_readme(rom, rows, (*files, recovery)), encoding="utf-8")
@@ -94,7 +94,7 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
 
 
 def superelement_rows(rom: ReducedModel) -> Rows:
-    """Return which grid component or scalar point each generalized coordinate becomes."""
+    """Return the grid component or scalar point of each generalized coordinate."""
     boundaries = rom.boundaries.values()
     existing = {
         (int(node), int(component) + 1): int(row)
@@ -122,7 +122,7 @@ def superelement_rows(rom: ReducedModel) -> Rows:
 def recovery_matrices(
     rom: ReducedModel, linear: LinearModel, rows: Rows
 ) -> dict[str, Matrix | Vector]:
-    """Return what turns a motion of the superelement into contact forces, gaps and pressures.
+    """Return the matrices from motion of the superelement to contact forces, gaps and pressures.
 
     Columns are the superelement's rows; the names are explained in the text written beside them.
     """
@@ -175,8 +175,8 @@ def _write_superelement(
 def _write_dmig(rom: ReducedModel, linear: LinearModel, rows: Rows, path: Path) -> tuple[Path, ...]:
     grids = path.with_name(path.stem + "_grids.bdf")
     cards = [
-        f"$ {rom.name}, {rom.method}, linear hand-over of faying {version('faying')}\n"
-        "$ Values keep ten digits at least; the OP4 file of the same joint keeps all.\n",
+        f"$ {rom.name}, {rom.method}, linear export of faying {version('faying')}\n"
+        "$ Values have at least ten digits; the OP4 file of the same joint has all.\n",
         scalar_points(rows.points),
         *(
             dmig_text(name, matrix, rows.dofs)
@@ -195,7 +195,7 @@ def _ordered(linear: LinearModel, rows: Rows, end: str) -> dict[str, Matrix]:
 
 
 def _places(rom: ReducedModel, rows: Rows) -> dict[int, Sequence[float]]:
-    """Grid id to coordinates."""
+    """Return the coordinates of each grid by id."""
     where = {int(node): row for row, node in enumerate(rom.mesh.node_ids.tolist())}
     return {grid: rom.mesh.nodes[where[grid]].tolist() for grid in rows.grids}
 
@@ -211,7 +211,7 @@ def _refuse_deck_loads(rom: ReducedModel) -> None:
 
 
 _MATRICES = """\
-  QREF    state the joint is linearized at (preload), one value per row
+  QREF    state of the linearization (preload), one value per row
   LAMROW  change of the contact force at every contact point per row
   LAM0    contact forces at that state: lambda = LAM0 + LAMROW x, pressure = lambda / WEIGHT
   GAPROW, GAP0   the same for the gaps
@@ -226,8 +226,8 @@ _MATRICES = """\
   BOLTE, BOLTK, BOLTN0  elongation of the bolts per row, stiffness, initial force:
           bolt force = BOLTK (BOLTE (QREF + x)) + BOLTN0
 Ports: node pairs, then boundary degrees of freedom boundary by boundary, then bolts.
-A negative lambda or, where the joint was open, a negative gap says that the linear joint was asked
-for more than it can do: recover the pressures (faying recover, or the next lines).
+A negative lambda or, where the joint was open, a negative gap shows that the linear joint is not
+valid there: recover the pressures (faying recover, or the next lines).
 Pressures of the full model at an instant with velocity v and acceleration a of the rows and
 boundary forces f (mode acceleration with contact):
   free = RCOMPF [f; -BOLTN0] - RINERT a - RDAMP v
@@ -237,22 +237,22 @@ boundary forces f (mode acceleration with contact):
 
 
 _FRICTION = """
-FRICTION: every point in contact at the preload sticks, along its tangents too. The superelement is
-right as long as nothing slips (faying tells the load of first slip: slip_onset_factor), is too
-stiff beyond, and has none of the damping that slip makes: give modes the damping of a backbone.
-The contact problem of the recovery below leaves friction out; recover pressures and tractions with
+FRICTION: every point in contact at the preload sticks tangentially. The superelement is
+valid as long as no point slips (faying gives the load of first slip: slip_onset_factor), is too
+stiff beyond, and has no damping by slip: give modes the damping of a backbone.
+The contact problem of the recovery below has no friction; recover pressures and tractions with
 faying instead.
 """
 
 
 def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
-    """Say what the files are, what the rows are and what the recovery matrices are."""
+    """Return the explanation of files, rows and recovery matrices."""
     kinds = rom.basis.kinds
     lines = [
         f"{rom.name}: reduced model '{rom.method}' of faying {version('faying')}",
         f"Units: {rom.units}",
         "",
-        "LINEAR hand-over: the joint is linearized at its preloaded state. It neither opens nor",
+        "LINEAR export: the joint is linearized at its preloaded state. It neither opens nor",
         "closes. Displacements x are changes from that state; do not apply the bolt preload again.",
         _FRICTION if rom.contact.components > 1 else "",
         f"Files: {', '.join(file.name for file in files)}",
@@ -273,7 +273,7 @@ def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
 
 
 Places = Mapping[int, Sequence[float]]
-"""Grid id to its coordinates in the basic system."""
+"""Coordinates in the basic system by grid id."""
 
 
 def assembly_cards(title: str, rows: Rows, places: Places) -> str:
@@ -316,7 +316,7 @@ def grid_cards(places: Places) -> str:
 
 
 def scalar_points(points: Indices) -> str:
-    """Return the SPOINT card of consecutive points; nothing where there are none."""
+    """Return the SPOINT card of consecutive points; empty without points."""
     return small("SPOINT", _run(points)) + "\n" if len(points) else ""
 
 

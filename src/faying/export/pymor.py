@@ -1,4 +1,4 @@
-"""A linear hand-over as a pyMOR second-order model, for the system-theoretic methods of pyMOR."""
+"""The linear export as a pyMOR second-order model, for the system-theoretic methods of pyMOR."""
 
 from collections.abc import Sequence
 from importlib import import_module
@@ -29,21 +29,21 @@ def second_order_model(
         A reduced model, linearized under its bolts alone; a static solution of a
         reduced model to linearize about; or a :class:`~faying.export.linearized.LinearModel`.
     inputs, outputs
-        Names of those wanted, as ``input_names`` and ``output_names`` of that class list them;
-        all unless given. Balancing methods weigh all of them by their bare numbers, whatever
-        their units: name those that matter.
+        Names of inputs and outputs, from ``input_names`` and ``output_names`` of that class;
+        all unless given. Balancing methods compare their bare numbers, whatever
+        the units: name the important ones.
 
     Returns
     -------
     SecondOrderModel
-        Its inputs are the boundary forces, then the initial forces of the bolts, then the factors
-        of deck loads; its outputs the boundary displacements, then the bolt forces, then the clamp
-        forces of the interfaces; all are changes from the state.
+        Inputs are the boundary forces, then the initial forces of the bolts, then the factors
+        of deck loads; outputs are the boundary displacements, then bolt forces, then clamp
+        forces of the interfaces; all as changes from the state.
 
     Raises
     ------
     StudyError
-        If pyMOR is not installed, or there is no such input or output.
+        If pyMOR is not installed, or an input or output does not exist.
     """
     try:
         SecondOrderModel = import_module("pymor.models.iosys").SecondOrderModel  # noqa: N806
@@ -53,7 +53,7 @@ def second_order_model(
     model = source if isinstance(source, LinearModel) else linearize(source)
     columns = _places("input", inputs, model.input_names)
     rows = _places("output", outputs, model.output_names)
-    # pyMOR keeps the arrays it gets; ours are read-only.
+    # Copies, because pyMOR keeps its arrays and these are read-only.
     return SecondOrderModel.from_matrices(
         M=np.array(model.M),
         E=np.array(model.C),

@@ -1,8 +1,8 @@
-"""Long transients, written to HDF5 as they are computed: memory is that of one piece.
+"""Long transients, written to HDF5 piece by piece to save memory.
 
-Space is taken before HDF5 writes: whatever it has begun to write it tries again when the file is
-closed, and once more when the program ends, each time with a report of its own; and on a full disk
-the file is damaged.
+Disk space is allocated before HDF5 writes. On a full disk, HDF5 repeats a failed write when the
+file is closed and when the program ends, each time with an error report, and
+damages the file.
 """
 
 import os
@@ -31,17 +31,17 @@ from faying.simulation.stepping import STEPS_AT_ONCE, transient_solver
 from faying.simulation.transient_windows import Steps, transient_windows
 
 SLACK = 2**20
-"""Bytes for what HDF5 writes of itself: groups, attributes, and an index of the chunks."""
+"""Bytes for the metadata of HDF5: groups, attributes, and an index of the chunks."""
 
 
 @contextmanager
 def growing(path: Path, *, new: bool) -> Iterator[h5py.File]:
-    """Yield an HDF5 file to write to, once there is room to begin; a new one loses what it held.
+    """Yield an HDF5 file to write to, after allocating space; ``new`` empties the file.
 
     Raises
     ------
     OSError
-        If it cannot be written.
+        If the file cannot be written.
     """
     with path.open("wb" if new else "ab") as probe:
         size = os.fstat(probe.fileno()).st_size
@@ -62,39 +62,39 @@ def growing(path: Path, *, new: bool) -> Iterator[h5py.File]:
 
 
 def reserve(file: h5py.File, n_bytes: int) -> None:
-    """Take the space for so many more bytes, and for what HDF5 writes with them.
+    """Allocate disk space for more bytes, and for metadata of HDF5.
 
     Raises
     ------
     OSError
-        If there is none; the file is as it was.
+        If the disk is full; the file is unchanged.
     """
     _allocate(file.id.get_vfd_handle(), file.id.get_filesize(), n_bytes + SLACK)
 
 
 def _allocate(handle: int, offset: int, n_bytes: int) -> None:
-    # Elsewhere a full disk is met by HDF5 itself.
+    # On other systems HDF5 itself reports a full disk.
     if hasattr(os, "posix_fallocate"):
         os.posix_fallocate(handle, offset, n_bytes)
 
 
 FORMAT = "faying transient"
 
-HISTORY = "a history that fy.stream_transient wrote"
-ANEW = "start anew without resume"
+HISTORY = "a history of fy.stream_transient"
+ANEW = "start again without resume"
 
 INSTANTS_PER_CHUNK = 1024
-"""Instants stored together."""
+"""Instants per chunk of a dataset."""
 
 ALWAYS = ("times", "max_pressure")
 FIELDS = (
     *(*ALWAYS, "states", "velocities", "accelerations", "pressure", "gap", "iterations"),
     *("traction", "slip", "dissipation"),
 )
-"""What can be kept of every instant; boundaries, bolts and interfaces are kept always."""
+"""Optional quantities of every instant; boundaries, bolts and interfaces are always stored."""
 
 DIVIDED = ("substeps", "step_error")
-"""Kept too where steps are divided."""
+"""Further quantities where steps are divided."""
 
 
 def stream_transient(
@@ -111,47 +111,47 @@ def stream_transient(
     compiled: bool | None = None,
     tolerance: float | None = None,
 ) -> Path:
-    """Integrate as :func:`faying.solve_transient` and write the history while it grows.
+    """Solve a transient as :func:`faying.solve_transient`, and write the history piece by piece.
 
     Parameters
     ----------
     system
         A preloaded model, full or reduced.
     load
-        Acts from t = 0⁺ on the joint at rest.
+        Load from t = 0⁺ on the joint at rest.
     path
         HDF5 file: ``times``, ``max_pressure``, ``displacements/BOUNDARY``,
-        ``contact_forces/INTERFACE``, ``bolt_forces/BOLT`` and ``fields``, one row an instant.
-        Attribute ``complete`` tells whether the run reached its end, ``energy_gain`` what
-        :class:`~faying.simulation.solution.Solution` has under that name.
+        ``contact_forces/INTERFACE``, ``bolt_forces/BOLT`` and ``fields``, one row per instant.
+        The attribute ``complete`` is true if the run reached its end; ``energy_gain`` is as in
+        :class:`~faying.simulation.solution.Solution`.
     step, duration : [time]
-        Between two instants, and of the whole.
+        Time step, and duration of the transient.
     fields
-        More to keep of every instant, of :data:`FIELDS`. ``"pressure"`` of a thousand points takes
+        Quantities of :data:`FIELDS` to store. ``"pressure"`` of a thousand points takes
         8 GB for a million steps.
     resume
-        Go on where the file ends; the same numbers as in one run, to the bit.
+        Continue at the end of the file, with the same numbers as in one run, to the bit.
     compiled
         Deprecated, without effect.
     tolerance
-        As in :func:`faying.solve_transient`; ``substeps`` and ``step_error`` are then kept too.
+        As in :func:`faying.solve_transient`; ``substeps`` and ``step_error`` are then stored too.
 
     Returns
     -------
     Path
-        Of the file.
+        Path of the file.
 
     Raises
     ------
     ModelError
-        As :func:`faying.solve_transient`, or if a field is not known.
+        As :func:`faying.solve_transient`, or if a field is unknown.
     FormatError
-        If the file cannot be written, or to resume is not one of this function's, or of another
+        If the file cannot be written, or the file to resume is of another kind,
         system or step.
 
     Notes
     -----
-    Whatever is written stays readable when the run is stopped.
+    The file stays readable when the run is stopped.
 
     Examples
     --------
@@ -169,7 +169,7 @@ def stream_transient(
     warn_of_compiled(compiled)
     unknown = [name for name in fields if name not in FIELDS]
     if unknown:
-        refuse_model(f"there is no field '{unknown[0]}' to keep; fields are {', '.join(FIELDS)}")
+        refuse_model(f"there is no field '{unknown[0]}'; fields are {', '.join(FIELDS)}")
     target = Path(path)
     scheme = ImplicitEuler() if integrator is None else integrator
     columns = dict.fromkeys((*ALWAYS, *fields, *(() if tolerance is None else DIVIDED)))
@@ -207,11 +207,11 @@ def stream_transient(
 
 
 def _append(file: h5py.File, segment: Solution, columns: Iterable[str]) -> None:
-    """Add the rows of a piece to every dataset."""
+    """Append the rows of a piece to every dataset."""
     rows: dict[str, Matrix] = {}
     for name in columns:
         values = np.asarray(getattr(segment, name))
-        # A number stands for all instants.
+        # A scalar applies to all instants.
         rows[name] = np.broadcast_to(values, (len(segment.states), *values.shape[1:]))
     system = segment.system
     for name in system.boundaries:
@@ -220,7 +220,7 @@ def _append(file: h5py.File, segment: Solution, columns: Iterable[str]) -> None:
         rows[f"contact_forces/{member_name(name)}"] = segment.contact_force(name)
     for name in system.bolts:
         rows[f"bolt_forces/{member_name(name)}"] = segment.bolt_force(name)
-    # A chunk more of each, for those that are begun are allocated whole.
+    # One more chunk of each, because chunks are allocated whole.
     reserve(
         file, sum(table.nbytes + INSTANTS_PER_CHUNK * table[:1].nbytes for table in rows.values())
     )
@@ -239,9 +239,9 @@ def _append(file: h5py.File, segment: Solution, columns: Iterable[str]) -> None:
 
 
 def _mark(file: h5py.File, end: Restart) -> None:
-    """Note where the run stands, and let the file be readable from here.
+    """Store the state of the run, and flush the file so that it is readable.
 
-    In one of two places, so that whoever is killed while writing leaves the other whole.
+    Two slots alternate, so that one is complete if the process is killed while writing.
     """
     places = file.require_group("restart")
     slot = 1 - int(places.attrs.get("slot", 1))
@@ -263,7 +263,7 @@ def _mark(file: h5py.File, end: Restart) -> None:
 
 
 def _resumed(file: h5py.File, system: System, began: Mapping[str, object]) -> Restart | None:
-    """Return where the run of a file stands, whatever its bytes are."""
+    """Return the state at which to resume; raise a clear error if the file is damaged."""
     try:
         return _restart(file, system, began)
     except (FayingError, OSError):
@@ -274,16 +274,16 @@ def _resumed(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
 
 def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Restart | None:
     for name, value in began.items():
-        # Files of earlier versions know of no tolerance.
+        # Files of earlier versions have no tolerance.
         if file.attrs.get(name, 0.0) != value:
             refuse(
                 f"{file.filename} has {name} {file.attrs.get(name)}, expected {value}; resume "
-                "with what the run began with, or start anew"
+                "with the original options, or start again"
             )
     places = file.get("restart")
     if places is None or "slot" not in places.attrs:
         for name in list(file):
-            del file[name]  # of a run that was stopped in its first piece
+            del file[name]  # the run was stopped in its first piece
         return None
     slot_group = places[str(places.attrs["slot"])]
     n_dof, n_force = system.K.shape[0], system.contact.components * system.contact.n_points
@@ -291,10 +291,10 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
     fitting = slot_group["u"].shape == (n_dof,) and slot_group["contact"].shape == (n_force,)
     # Of forces three components are stored, with friction or without.
     if not fitting or max(sizes) > 3 * max(n_dof, n_force):
-        refuse(f"{file.filename} is of another model; start anew without resume")
+        refuse(f"{file.filename} belongs to another model; {ANEW}")
     done = int(slot_group.attrs["done"])
     for data in _datasets(file):
-        data.resize(done + 1, axis=0)  # rows of a piece that was cut short
+        data.resize(done + 1, axis=0)  # drop rows of an incomplete piece
     file.attrs["complete"] = False
     return restart_from(
         {name: data[()] for name, data in slot_group.items()} | dict(slot_group.attrs)

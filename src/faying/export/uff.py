@@ -1,4 +1,4 @@
-"""Frequency responses as data sets 58 of the Universal File Format, by pyuff."""
+"""Frequency responses as data sets 58 of the Universal File Format, written by pyuff."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,7 +15,7 @@ from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import Results
 
 RESPONSE, GENERAL = 4, 0
-"""Function types of data set 58: of displacement over one force, and of displacement alone."""
+"""Function types of data set 58: displacement over a force, and displacement alone."""
 
 UNEVEN_COMPLEX = 6
 """Ordinate type: complex numbers in double precision."""
@@ -28,8 +28,8 @@ FREQUENCY, DISPLACEMENT, FORCE = 18, 8, 13
 def write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path, ...]:
     """Write the first harmonics of a run; see :mod:`faying.export.formats`.
 
-    Each level and component of a boundary is a set over the frequencies of a sweep up, and one of a
-    sweep down where that differs. With one load it is displacement over force, else displacement.
+    Each level and boundary component is a data set over the frequencies of a sweep up, and another
+    of a sweep down if it differs. With one load it is displacement over force, else displacement.
     """
     import pyuff
 
@@ -46,7 +46,7 @@ def write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path, ...
 
 
 def _sets(name: str, record: FrequencyRecord) -> Iterator[dict[str, Any]]:
-    """Yield the data sets of one harmonic load."""
+    """Yield the data sets of a harmonic load."""
     load = record.response.load
     for curve in record.response.curves:
         sweeps = {"up": curve.swept_up}

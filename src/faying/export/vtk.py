@@ -1,16 +1,16 @@
-"""Pictures for ParaView: deformed shapes, modes, and interface pressures and gaps over time.
+"""Files for ParaView: deformed shapes, modes, and interface pressures and gaps over time.
 
 A folder with
 
 * ``structure.vtu``: the solids; displacements of each static load case, full and reduced;
-* ``modes.vtu``: vibration modes of the joint linearized under its bolts, scaled to one unit of
-  length at most, by the trial vectors alone (their names say so where the model also keeps a
-  residual compliance, which moves the interface beyond them);
+* * ``modes.vtu``: vibration modes of the joint linearized under its bolts, scaled to one unit of
+  length, from the trial vectors alone (as their names say if the model also has a
+  residual compliance, which adds displacements at the interface);
 * ``trial_vectors.vtu``: displacements per coordinate q of the reduced model;
 * ``bolts.vtu``: the bolts as lines, with their forces;
 * ``interface_NAME.vtu``: facets of the minus side with normals, the pressure of the preload, and
   pressure and gap of each static load case as nodal averages;
-* ``interface_NAME_CASE.pvd`` and the instants it lists in a folder of the same name: the same for
+* * ``interface_NAME_CASE.pvd`` and its instants in a folder of the same name: these fields of
   each transient, with the recovered pressure.
 """
 
@@ -66,8 +66,8 @@ def write_fields_vtu(
 ) -> Path:
     """Write point data (n_pair,) by name on the facets of the minus side of an interface.
 
-    Normals, and 1 where pairs stick, are written too. Viewers show the time that the fields belong
-    to.
+    Normals, and 1 where pairs stick, are written too. Viewers show the time of the
+    fields.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def write_fields_vtu(
 
 
 def _pair_normals(record: ContactSurface) -> Matrix:
-    """Average the normals of the contact points to the pairs (n_pair, 3)."""
+    """Return the normals (n_pair, 3) of node pairs, averaged from the contact points."""
     mean = record.nodal_average(record.normals)
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     return mean / np.where(length > 0, length, 1.0)
@@ -134,16 +134,16 @@ def _every_response(case: CaseResult) -> Iterator[tuple[str, Response]]:
 
 
 MOST_MODES = 10
-"""Vibration modes that are drawn."""
+"""Largest number of vibration modes that are written."""
 
 MOST_INSTANTS = 400
-"""Instants of a transient that are written; of more, evenly chosen ones and the last."""
+"""Most instants of a transient; of more, evenly spaced ones and the last are written."""
 
 
 def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Path, ...]:
-    """Write the pictures of a reduced model into a folder, made if need be, atomically.
+    """Write the files of a reduced model to a folder, atomically; it is made if missing.
 
-    The run has load cases and bolts.
+    Load cases and bolts are read from the run.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
 
 
 def _structure(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
-    """Write what is shown on the solids."""
+    """Write the fields on the solids; yield the paths."""
     units = rom.unit_set
     contents = {"structure": _static_shapes(rom, run, units)}
     modes = rom.mesh.modes
@@ -196,7 +196,7 @@ def _vibration_modes(rom: ReducedModel, shapes: Matrix, units: Units) -> dict[st
     """Return the lowest modes (n_node, 3) by number and frequency."""
     model = linearize(rom)
     frequencies, vectors = model.modes(MOST_MODES)
-    # The displacements behind a residual compliance need the finite elements.
+    # Displacements by the residual compliance would need the finite elements.
     part = " of trial vectors" if rom.contact.residual_compliance is not None else ""
     unit = units.frequency
     modes = {}
@@ -209,7 +209,7 @@ def _vibration_modes(rom: ReducedModel, shapes: Matrix, units: Units) -> dict[st
 
 
 def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
-    """Write the bolts of a run as lines."""
+    """Write the bolts of a run as lines; yield the path."""
     bolts = {} if run is None else run.bolts
     drawn = {name: bolt.axis for name, bolt in bolts.items() if bolt.axis is not None}
     if run is None or not drawn:
@@ -247,7 +247,7 @@ def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterato
 def _series(
     rom: ReducedModel, run: Results | None, record: ContactSurface, case: CaseResult, stem: Path
 ) -> Iterator[Path]:
-    """Write one file per instant of a transient, and the series."""
+    """Write a file per instant of a transient, and the series; yield the paths."""
     stem.mkdir(exist_ok=True)
     times = np.asarray(case.times)
     instants = np.unique(
@@ -273,7 +273,7 @@ def _cases(run: Results | None, *, static: bool) -> list[CaseResult]:
 def _responses(
     rom: ReducedModel, run: Results | None, case: CaseResult
 ) -> Iterator[tuple[str, Response]]:
-    """Yield the full model's response, then that of the model that is handed over."""
+    """Yield the response of the reference, then that of the exported model."""
     yield "", case.reference
     sizes = {} if run is None else run.reduced.get(rom.method, {})
     count = next((count for count, model in sizes.items() if model is rom), None)

@@ -1,4 +1,4 @@
-"""VTK's files: unstructured grids (``.vtu``) by meshio, and series of them (``.pvd``)."""
+"""VTK files: unstructured grids (``.vtu``) by meshio, and series of grids (``.pvd``)."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ _CELLS = {
     **{kind: face.meshio for kind, face in FACES.items()},
     **{kind: element.elsewhere.meshio for kind, element in SOLIDS.items()},
 }
-"""What meshio calls the cell kinds."""
+"""Names of the cell kinds in meshio."""
 
 _NO_DATA: Mapping[str, Matrix | Indices] = {}
 
@@ -32,7 +32,7 @@ def write_vtu(
     cell_data: Mapping[str, Matrix | Indices] = _NO_DATA,
     time: float | None = None,
 ) -> Path:
-    """Write a grid as ``.vtu``, atomically; return its path.
+    """Write an unstructured grid as ``.vtu``, atomically; return its path.
 
     Parameters
     ----------
@@ -40,9 +40,9 @@ def write_vtu(
     cells
         Cell kind and node indices (n_cell, n_node_per_cell), block by block.
     point_data, cell_data
-        Name to (n_point,) or (n_point, k), and to the same of all cells.
+        Arrays (n_point,) or (n_point, k), and (n_cell,) or (n_cell, k), by name.
     time
-        Instant the data belong to, which viewers show.
+        Time of the data, which viewers show.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def write_vtu(
             (_CELLS[kind], SOLIDS[kind].elsewhere.theirs(nodes) if kind in SOLIDS else nodes)
             for kind, nodes in blocks
         ],
-        # meshio writes names as they are.
+        # meshio does not escape names.
         point_data={escape(name): np.asarray(data) for name, data in point_data.items()},
         cell_data={escape(name): np.split(data, ends)[:-1] for name, data in cell_data.items()},
     )
@@ -70,7 +70,7 @@ def write_vtu(
 
 
 def _add_time(path: Path, time: float) -> None:
-    """Add the instant as VTK has it, which meshio does not write."""
+    """Add the time of the data, which meshio does not write."""
     array = '<DataArray type="Float64" Name="TimeValue" NumberOfTuples="1" format="ascii">'
     grid = "<UnstructuredGrid>"
     field = f"{grid}\n<FieldData>{array}{time!r}</DataArray></FieldData>"
@@ -78,9 +78,9 @@ def _add_time(path: Path, time: float) -> None:
 
 
 def write_pvd(entries: Sequence[tuple[float, Path]], path: Path) -> None:
-    """Write a series of grids as ``.pvd``, atomically.
+    """Write a time series of grids as ``.pvd``, atomically.
 
-    Entries are times and files in or below the folder of ``path``.
+    ``entries`` are times, and files in or below the folder of ``path``.
 
     Raises
     ------

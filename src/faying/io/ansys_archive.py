@@ -31,7 +31,7 @@ from faying.model.generate import mid_side_ends
 from faying.model.mesh import Mesh
 
 _BONDED = frozenset((2, 3, 4, 5, 6))
-"""KEYOPT(12) of contact that does not open, or neither opens nor slides."""
+"""Values of KEYOPT(12) for contact that does not open, or neither opens nor slides."""
 
 _SCRIPT = """
 import sys, warnings
@@ -57,7 +57,7 @@ np.savez(sys.argv[2], **parts)
 # Positions in an element: material, type, real constants, ..., element number, ..., then its nodes.
 _MATERIAL, _TYPE, _REAL, _NUMBER, _FIRST_NODE = 0, 1, 2, 8, 10
 
-# A brick's nodes: corners, bottom edges, top edges, upright edges; ours have upright before top.
+# Nodes of a brick: corners, bottom, top, vertical edges; faying has vertical before top edges.
 # Degenerate bricks repeat nodes: K = L and O = P make a wedge, M = N = O = P a pyramid, both a
 # tetrahedron.
 _ORDERS: Mapping[str, list[int]] = {
@@ -78,7 +78,7 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
     Node and element numbers are those of Ansys, property ids its material numbers. Components
     become node and element sets, and so do the nodes of contact and target elements of each set of
     real constants (``"contact 5"``, ``"target 5"``). Supports, loads, couplings and beams are not
-    read; ``ignored`` counts what is left out and says what to do about it. Materials ``"material
+    read; ``ignored`` counts omitted content with advice. Materials ``"material
     1"``, … or ``"default"`` override those of the archive.
     """
     parts = read_isolated(_SCRIPT, path, "Ansys archive", "ansys")
@@ -120,7 +120,7 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
 
 
 def _elements(path: Path, parts: Mapping[str, npt.NDArray[Any]]) -> Indices:
-    """Elements (n, 30), filled up with zeros."""
+    """Return elements (n, 30), padded with zeros."""
     lengths = parts["lengths"].astype(np.int64)
     width = _FIRST_NODE + 20
     if lengths.max(initial=0) > width:
@@ -139,7 +139,7 @@ def _components(parts: Mapping[str, npt.NDArray[Any]], prefix: str) -> list[tupl
 
 
 def _contact_nodes(rows: Indices, routine: Indices) -> dict[str, Indices]:
-    """Return the nodes of the two sides of contact pairs, by real constants."""
+    """Return the nodes of both sides of contact pairs, by real constants."""
     sides = {}
     for name, routines in (("contact", CONTACTS), ("target", TARGETS)):
         chosen = np.isin(routine, list(routines))
@@ -152,7 +152,7 @@ def _contact_nodes(rows: Indices, routine: Indices) -> dict[str, Indices]:
 def _contact_notes(
     rows: Indices, routine: Indices, pairs: Mapping[str, Indices], commands: ArchiveCommands
 ) -> list[str]:
-    """Say of each contact pair how the study names it, and what its key options want."""
+    """Return notes on contact pairs: how to name them in a study, and their key options."""
     notes = []
     contact = np.isin(routine, list(CONTACTS))
     for number in np.unique(rows[contact, _REAL]).tolist():
@@ -166,7 +166,7 @@ def _contact_notes(
         if friction := commands.constants.get(material, {}).get("MU", 0.0):
             said += f", friction = {friction:g}"
         if behaviour in _BONDED:
-            said = f"bonded (KEYOPT(12) = {behaviour}): merge the nodes, or the two part here"
+            said = f"bonded (KEYOPT(12) = {behaviour}): merge the nodes, or the bodies come apart"
         notes.append(f"contact pair {number}, {int(of_pair.sum())} contact elements: {said}")
     return notes
 
@@ -182,7 +182,7 @@ def _blocks(
     brick8, brick20, tetra = (
         np.isin(routine, list(family)) for family in (BRICKS_8, BRICKS_20, TETRAHEDRA_10)
     )
-    # Elements of quadratic routines may come without any mid-side node; they are linear then.
+    # Elements of quadratic routines without mid-side nodes are linear.
     brick8 |= brick20 & (nodes[:, 8:] == 0).all(axis=1)
     brick20 &= ~brick8
     tetra4 = tetra & (nodes[:, 4:10] == 0).all(axis=1)
@@ -241,7 +241,7 @@ def _blocks(
 def _indices(
     path: Path, kind: str, node_ids: Indices, elements: Indices, straight: StraightSides
 ) -> Indices:
-    """Node indices (n, n_node); new ones where a mid-side node was removed."""
+    """Return node indices (n, n_node), with new ones for removed mid-side nodes."""
     order = np.argsort(straight.ids, kind="stable")
     positions = np.searchsorted(straight.ids, node_ids, sorter=order)
     indices: Indices = order[np.minimum(positions, len(order) - 1)]
@@ -251,10 +251,7 @@ def _indices(
     wrong = ((straight.ids[indices] != node_ids) & ~removed).any(axis=1)
     if wrong.any():
         element = int(elements[np.flatnonzero(wrong)[0]])
-        refuse(
-            f"Ansys archive '{path}': element {element} names a node that is not there; write all "
-            "nodes"
-        )
+        refuse(f"Ansys archive '{path}': element {element} has an unknown node; write all nodes")
     for column, (start, end) in enumerate(mid_side_ends(kind), start=corners):
         rows = removed[:, column]
         indices[rows, column] = straight.between(

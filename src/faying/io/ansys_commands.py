@@ -1,4 +1,4 @@
-"""Commands of an Ansys archive between its blocks, and which element routines are read as what."""
+"""Commands of an Ansys archive between its blocks, and the handling of element routines."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 _BLOCKS = frozenset(("NBLO", "EBLO", "CMBL", "RLBL", "ETBL", "SECB", "SFEB", "BFBL", "BFEB"))
-"""Commands whose data are the lines of numbers behind them."""
+"""Commands whose data are the following lines of numbers."""
 
 LEFT_OUT: Mapping[str, str] = {
     "D": 'supports (D): hold components by [[support]] with set = "…"',
@@ -14,34 +14,34 @@ LEFT_OUT: Mapping[str, str] = {
     "SFE": "pressures (SFE): give their sum as forces of a [[load_case]], at a [[boundary]]",
     "SFEB": "pressures (SFEBLOCK): give their sum as forces of a [[load_case]]",
     "SF": "pressures (SF): give their sum as forces of a [[load_case]], at a [[boundary]]",
-    "BF": "temperatures (BF): nothing expands here",
-    "BFE": "temperatures (BFE): nothing expands here",
-    "BFBL": "temperatures (BFBLOCK): nothing expands here",
-    "CE": "constraint equations (CE, from CERIG and RBE3 too): what they join moves apart here; "
+    "BF": "temperatures (BF): thermal expansion is not read",
+    "BFE": "temperatures (BFE): thermal expansion is not read",
+    "BFBL": "temperatures (BFBLOCK): thermal expansion is not read",
+    "CE": "constraint equations (CE, also from CERIG and RBE3): they are not read; "
     'couple a face by [[boundary]] with coupling = "rbe2" or "rbe3", or use .full matrices',
-    "CP": "coupled sets (CP): what they join moves apart here; share nodes, or use .full matrices",
+    "CP": "coupled sets (CP): they are not read; share nodes, or use .full matrices",
     "TB": "tables of materials (TB): materials are linear and isotropic here",
-    "ACEL": "accelerations (ACEL): weight is no load here",
-    "OMEG": "rotation (OMEGA): centrifugal forces are no load here",
+    "ACEL": "accelerations (ACEL): weight is not read as a load",
+    "OMEG": "rotation (OMEGA): centrifugal forces are not read as a load",
     "SLOA": "pretension (SLOAD): give it as preload of a [[bolt]]",
 }
-"""First four letters of commands that change results, and what to do about each."""
+"""Description and advice for commands that change results, by their first four letters."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ArchiveCommands:
-    """What commands say.
+    """Contents of the commands of an archive.
 
     Attributes
     ----------
     options
-        Element type to its key options that are not zero, by number.
+        Key options of element types that are not zero, by number.
     constants
-        Material to its constants at one temperature, by name.
+        Constants of materials at one temperature, by name.
     tables
-        Materials whose constants depend on temperature, with their names.
+        Names of the constants of materials that depend on temperature.
     counts
-        Commands of :data:`LEFT_OUT` that are there, by their first four letters.
+        Number of commands of :data:`LEFT_OUT`, by their first four letters.
     pretensions
         Number of pretension sections.
     """
@@ -53,23 +53,23 @@ class ArchiveCommands:
     pretensions: int = 0
 
     def notes(self) -> Iterator[str]:
-        """Yield what of them is not read, with what to do."""
+        """Yield notes on commands that are not read, with advice."""
         for name, meaning in LEFT_OUT.items():
             if self.counts.get(name):
                 yield f"{self.counts[name]} commands of {meaning}"
         if self.pretensions:
             yield (
-                f"{self.pretensions} pretension sections: the bolts are parted there, and the two "
+                f"{self.pretensions} pretension sections: the bolts are cut there, and the two "
                 "faces of the cut touch; delete the sections and merge the nodes (NUMMRG) before "
                 "CDWRITE, and tighten the bolts by [[bolt]] with an axis"
             )
 
 
 def read_commands(path: Path) -> ArchiveCommands:
-    """Read the commands of an archive; one pass over its lines.
+    """Read the commands of an archive in one pass over its lines.
 
-    Fields that are no numbers where numbers belong, as parameters and formulas are, are passed
-    over: an archive written by CDWRITE has none.
+    Parameters and formulas in place of numbers are skipped:
+    an archive written by CDWRITE has none.
     """
     options: dict[int, dict[int, int]] = {}
     constants: dict[int, dict[str, float]] = {}
@@ -104,7 +104,7 @@ def read_commands(path: Path) -> ArchiveCommands:
 
 
 def _applies(name: str, fields: Sequence[str]) -> bool:
-    """Tell commands with data from the heads and tails that CDWRITE puts around them."""
+    """Return whether a command has data, unlike the heads and tails that CDWRITE writes."""
     if name == "CE":
         return not (len(fields) > 2 and fields[2].upper() == "NODE")
     if name in ("ACEL", "OMEG"):
@@ -173,17 +173,17 @@ BRICKS_8 = frozenset((45, 185))
 BRICKS_20 = frozenset((95, 186))
 TETRAHEDRA_10 = frozenset((92, 187))
 NO_STRUCTURE = frozenset((151, 152, 153, 154, 200))
-"""MESH200 only carries a mesh, SURF151 to SURF154 only loads."""
+"""Routines without stiffness: MESH200 is a mesh alone, SURF151 to SURF154 carry loads."""
 
 CONTACTS, TARGETS = frozenset((173, 174)), frozenset((170,))
 
-_JOINED = "what they join moves apart here; couple a face by [[boundary]], or use .full matrices"
+_JOINED = "they are not read; couple a face by [[boundary]], or use .full matrices"
 _STRUCTURE = "model them as solids, or use .full matrices"
-_SPRINGS = "they are not there; use .full matrices"
+_SPRINGS = "they are not read; use .full matrices"
 
 OTHERS: Mapping[int, tuple[str, str]] = {
     14: ("COMBIN14", _SPRINGS),
-    21: ("MASS21", "they are not there; use .full matrices"),
+    21: ("MASS21", "they are not read; use .full matrices"),
     39: ("COMBIN39", _SPRINGS),
     40: ("COMBIN40", _SPRINGS),
     180: ("LINK180", _STRUCTURE),
@@ -200,14 +200,14 @@ OTHERS: Mapping[int, tuple[str, str]] = {
     178: ("CONTA178", "contact is between surfaces; name their sides in an [[interface]]"),
     179: (
         "PRETS179",
-        "the bolts are parted at their sections and nothing closes these; delete the sections and "
+        "the bolts are cut at their sections without a connection; delete the sections and "
         "merge the nodes (NUMMRG) before CDWRITE, and tighten by [[bolt]] with an axis",
     ),
     190: ("SOLSH190", "change them to SOLID185"),
     285: ("SOLID285", "change them to SOLID187"),
     65: ("SOLID65", "change them to SOLID185"),
 }
-"""Routines that are left out: names, and what to do."""
+"""Names of routines that are not read, and advice."""
 
 _BRICK_OPTIONS: Mapping[tuple[int, int, int], str] = {
     (185, 2, 0): "selective reduced integration (B-bar), stiffer in bending than here",
@@ -215,16 +215,16 @@ _BRICK_OPTIONS: Mapping[tuple[int, int, int], str] = {
     (45, 1, 1): "no extra shapes, stiffer in bending than here",
     (45, 2, 1): "uniform reduced integration, softer in bending than here",
 }
-"""Routine, key option and its value to what Ansys does with bricks of eight nodes."""
+"""Formulation of Ansys' eight-node bricks, by routine, key option and its value."""
 
 
 def is_reduced(routine: int, options: Mapping[int, int]) -> bool:
-    """Whether bricks of twenty nodes have eight points: SOLID186 has unless KEYOPT(2) = 1."""
+    """Return whether twenty-node bricks have eight points: SOLID186 has, unless KEYOPT(2) = 1."""
     return options.get(2, 0) != 1 if routine == 186 else options.get(11, 0) == 1
 
 
 def brick_note(routine: int, options: Mapping[int, int]) -> str:
-    """Return what Ansys does otherwise with bricks of eight nodes; nothing where it is as here."""
+    """Return a note if Ansys formulates eight-node bricks differently; empty otherwise."""
     for (number, option, value), meaning in _BRICK_OPTIONS.items():
         if number == routine and options.get(option, 0) == value:
             return (
@@ -235,7 +235,7 @@ def brick_note(routine: int, options: Mapping[int, int]) -> str:
 
 
 def left_out_note(routine: int, count: int) -> str:
-    """Return what is said of elements that are not read."""
+    """Return a note on elements that are not read."""
     name, remedy = OTHERS.get(
         routine, (f"routine {routine}", "model them in the study, or use .full matrices")
     )

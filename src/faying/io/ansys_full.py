@@ -30,12 +30,12 @@ np.savez(sys.argv[2], **parts)
 
 
 def read_full(path: Path, name: str) -> LabelledMatrix:
-    """Read K or M of an Ansys ``.full`` file, which holds both, with node and component of rows.
+    """Read K or M of an Ansys ``.full`` file, with node and component of rows.
 
-    Degrees of freedom that Ansys held are left out, so the structure counts as held there.
+    Degrees of freedom that Ansys held are left out, so that they count as held.
     """
     if name not in MATRICES:
-        refuse(f"matrix {name}: an Ansys .full holds K and M only; leave {name} away")
+        refuse(f"matrix {name}: an Ansys .full file has only K and M; leave {name} out")
     parts = read_isolated(_SCRIPT, path, f"matrix {name}", "ansys")
     letter, dofs = MATRICES[name], parts["dofs"].astype(np.int64)
     if f"{letter}_data" not in parts:

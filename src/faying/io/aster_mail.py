@@ -43,7 +43,7 @@ _GROUPS = ("GROUP_MA", "GROUP_NO")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Section:
-    """What stands between a keyword and FINSF."""
+    """The words between a keyword and FINSF."""
 
     path: Path
     line: int
@@ -56,7 +56,7 @@ class _Section:
         refuse(f"{self.path}:{self.line}: {self.keyword}: {text}")
 
     def rows(self, width: int) -> Names:
-        """Return the words as rows of a name and what belongs to it."""
+        """Return the words as rows: a name, then its numbers or nodes."""
         if len(self.words) % width:
             self.refuse(
                 f"{len(self.words)} words; expected {width} each: a name, and its numbers or nodes"
@@ -64,7 +64,7 @@ class _Section:
         return self.words.reshape(-1, width)
 
     def index(self, names: Names, labels: Names, what: str) -> Indices:
-        """Return the places of names among the known ones."""
+        """Return the index of each name among the labels; refuse unknown names."""
         order = np.argsort(names, kind="stable")
         positions = np.searchsorted(names, labels, sorter=order)
         indices: Indices = order[np.minimum(positions, len(order) - 1)] if len(order) else positions
@@ -77,12 +77,12 @@ class _Section:
 
 
 def read_mail(path: Path) -> Any:
-    """Return what readers of meshio's meshes look at; solids in no group are one, ``"solids"``."""
+    """Return the mesh as meshio would; solids without a group form the group ``"solids"``."""
     sections = _sections(path)
     nodes = [section for section in sections if section.keyword.startswith("COOR_")]
     if len(nodes) != 1 or nodes[0].keyword != "COOR_3D":
         shown = ", ".join(section.keyword for section in nodes) or "none"
-        refuse(f"{path}: sections of coordinates: {shown}; expected one COOR_3D")
+        refuse(f"{path}: coordinate sections: {shown}; expected one COOR_3D")
     named, points = _nodes(nodes[0])
     cells: list[Any] = []
     owned: list[Names] = []
@@ -120,7 +120,7 @@ def read_mail(path: Path) -> Any:
 def _sections(path: Path) -> list[_Section]:
     text = re.sub(r"%[^\n]*", "", path.read_text(encoding="latin-1"))
     if _END.search(text) is None:
-        refuse(f"{path}: it does not end with FIN, so it was cut off; write it again")
+        refuse(f"{path}: the file does not end with FIN, so it is incomplete; write it again")
     sections, line = [], 1
     for part in re.split(r"\bFINSF\b", _END.split(text)[0]):
         body = part.lstrip()
@@ -155,13 +155,13 @@ def _nodes(section: _Section) -> tuple[Names, Matrix]:
         points = np.char.replace(np.char.upper(rows[:, 1:]), "D", "E").astype(np.float64)
     except ValueError as error:
         section.refuse(
-            f"a coordinate is no number ({error}); expected a name and x, y, z of every node"
+            f"a coordinate is not a number ({error}); expected a name and x, y, z of every node"
         )
     return names, points
 
 
 def _with_all_solids(cells: list[Any], sets: dict[str, list[Indices]]) -> dict[str, list[Indices]]:
-    """Put a group of all solids in front, where those of the file leave some out."""
+    """Put a group of all solids in front if the groups of the file leave some out."""
     everything = [np.arange(0 if b.type in _FACES.values() else len(b.data)) for b in cells]
     grouped = [
         np.concatenate([solids[:0], *(members[k] for members in sets.values())])

@@ -1,4 +1,4 @@
-"""Lines of a deck as places in its text, and the file and line each comes from."""
+"""Lines of a deck as positions in its text, each with its file and line number."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -21,22 +21,22 @@ NASTRAN = (".bdf", ".nas", ".fem")
 
 _RETURN, _FEED, _BLANK = (ord(c) for c in "\r\n ")
 _CHUNK = 2**24
-"""Characters looked at in one go."""
+"""Characters processed at a time."""
 
 _LINES = 2**13
-"""Lines whose characters are gathered in one go, within the processor's cache."""
+"""Lines whose characters are gathered at a time; they fit the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
 class LineTexts(Sequence[bytes]):
-    """Lines without their ends, in ascending order of where they are in a text.
+    """Lines without line ends, in the order of a text.
 
     Attributes
     ----------
     data
-        The text, which may hold more than the lines.
+        The text; it may contain more than these lines.
     begin, end : (n_line,)
-        First character of each line, and the one behind its last.
+        Positions of each line's first character and of the character after its last.
     """
 
     data: bytes
@@ -61,7 +61,7 @@ class LineTexts(Sequence[bytes]):
         return (self[line] for line in range(len(self)))
 
     def split(self) -> list[bytes]:
-        """Return consecutive lines of a text, faster than one by one."""
+        """Return consecutive lines as a list, faster than one at a time."""
         return self.data[self.begin[0] : self.end[-1]].splitlines() if len(self) else []
 
     def upper(self) -> "LineTexts":
@@ -69,18 +69,18 @@ class LineTexts(Sequence[bytes]):
         return LineTexts(self.data.upper(), self.begin, self.end)
 
     def holding(self, word: bytes) -> Indices:
-        """Return which lines hold a word: few calls where few do, whatever the number of lines."""
+        """Return the indices of the lines that contain a word; fast where few lines do."""
         return np.unique(self._found(word)[0])
 
     def cut_at(self, letter: bytes) -> "LineTexts":
-        """Return the lines up to where a letter first stands in them."""
+        """Return the lines up to the first occurrence of a letter in each."""
         lines, places = self._found(letter)
         end = self.end.copy()
-        end[lines[::-1]] = places[::-1]  # of several the first counts
+        end[lines[::-1]] = places[::-1]  # the first of several counts
         return LineTexts(self.data, self.begin, end)
 
     def _found(self, word: bytes) -> tuple[Indices, Indices]:
-        """Return lines (n,) and places (n,) of a word."""
+        """Return lines (n,) and positions (n,) of a word."""
         places = _places_of(word, self.data)
         places = places[places >= self.begin[0]] if len(self) else places[:0]
         lines = np.searchsorted(self.begin, places, side="right") - 1
@@ -88,7 +88,7 @@ class LineTexts(Sequence[bytes]):
         return lines[inside], places[inside]
 
     def letters(self, width: int) -> npt.NDArray[np.uint8]:
-        """Return the first characters (n_line, width) of the lines, blanks behind short ones."""
+        """Return the first characters (n_line, width) of the lines, padded with blanks."""
         last = max(len(self.data) - width, 0)
         windows: npt.NDArray[np.void] = np.ndarray(
             (last + 1,), dtype=f"V{width}", buffer=self.data.ljust(width), strides=(1,)
@@ -108,7 +108,7 @@ class LineTexts(Sequence[bytes]):
 
 
 def split_lines(data: bytes) -> LineTexts:
-    """Split text into its lines, which end with a feed, a return, or both."""
+    """Split text into lines that end with a line feed, a carriage return, or both."""
     data = with_usual_ends(data)
     parts = list(line_places(data))
     begin = np.concatenate([np.empty(0, dtype=np.int64), *(begin for begin, _ in parts)])
@@ -117,14 +117,14 @@ def split_lines(data: bytes) -> LineTexts:
 
 
 def with_usual_ends(data: bytes) -> bytes:
-    """Return text whose lines end with a feed, also where a carriage return alone ended them."""
+    """Return text with line feeds in place of lone carriage returns."""
     if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
         return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     return data
 
 
 def line_places(data: bytes) -> Iterator[tuple[Indices, Indices]]:
-    """Yield where lines begin and end, without feed or return, some hundred thousand at a time."""
+    """Yield begins and ends of lines without line ends, some hundred thousand at a time."""
     letters = np.frombuffer(data, dtype=np.uint8)
     start = 0
     while start < len(data):
@@ -140,7 +140,7 @@ def line_places(data: bytes) -> Iterator[tuple[Indices, Indices]]:
 
 
 def joined(parts: Sequence[Sequence[bytes]]) -> LineTexts:
-    """Return the lines of all parts, one after the other."""
+    """Return the lines of all parts, concatenated."""
     if len(parts) == 1 and isinstance(parts[0], LineTexts):
         return parts[0]
     texts: list[bytes] = []
@@ -167,9 +167,9 @@ def joined(parts: Sequence[Sequence[bytes]]) -> LineTexts:
 def edited(
     text: LineTexts, edits: Iterable[tuple[int, int, Sequence[bytes]]]
 ) -> tuple[LineTexts, Indices]:
-    """Return lines with some of them replaced, and which of them each one stands for.
+    """Return lines after replacements, and the index of the original of each.
 
-    An edit is the first line, the one behind the last, and what stands there instead. They ascend.
+    An edit is the first line, the line after the last, and the new lines. Edits ascend.
     """
     parts: list[Sequence[bytes]] = []
     origin: list[Indices] = []
@@ -182,7 +182,7 @@ def edited(
 
 
 def _places_of(word: bytes, data: bytes) -> Indices:
-    """Return where a word begins (n,); of single letters there may be many."""
+    """Return the positions (n,) of a word; single letters may occur often."""
     if len(word) == 1:
         if word not in data:
             return np.empty(0, dtype=np.int64)
@@ -201,22 +201,22 @@ def _places_of(word: bytes, data: bytes) -> Indices:
 
 _PLACED = re.compile(r"^\S.*:\d+: ")
 LONGEST_WORD = 80
-"""Characters of a name or a number; more are a mistake, and all fields of a table take as much
-memory as the longest."""
+"""Most characters of a name or number; more are a mistake, and all fields of a table take as much
+memory as the longest one."""
 
 MOST_FILES = 1000
-"""Files of one deck, each counted as often as it is included: of twenty files that each include the
-next one twice there are a million."""
+"""Most files of a deck, each counted as often as it is included: twenty files that each include the
+next one twice make a million."""
 
 DEEPEST = 20
-"""Files that include one another, from which on they are taken for a circle."""
+"""Depth of nested includes from which they are taken as circular."""
 
 _UTF8_MARK, _UTF16_MARKS = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Lines:
-    """Consecutive lines and where each comes from.
+    """Consecutive lines with file and line number.
 
     Attributes
     ----------
@@ -243,7 +243,7 @@ class Lines:
 
 @contextmanager
 def naming(path: str | PathLike[str]) -> Iterator[None]:
-    """Put the deck's name before messages that name no place, of decks as a whole."""
+    """Put the deck's name before messages without a place."""
     try:
         yield
     except (FormatError, ModelError) as error:
@@ -261,12 +261,12 @@ class Dialect:
     Attributes
     ----------
     kind, include
-        What messages call a deck, and the statement that includes a file.
+        Names of a deck and of the statement that includes a file, for messages.
     statements
-        Yields the first line of each, the line behind it, and the name of the file. It takes lines
-        and what returns file:line of one of them.
+        Function of lines and of a function that returns file:line of a line. It yields the first
+        line of each statement, the line after it, and the name of the file.
     deck_first
-        Whether names are those of files beside the deck, before those beside the including file.
+        Whether files are searched beside the deck first, then beside the including file.
     """
 
     kind: str
@@ -276,7 +276,7 @@ class Dialect:
 
 
 def read_lines(path: Path, dialect: Dialect) -> Lines:
-    """Read a deck and what it includes, line by line in their order."""
+    """Read the lines of a deck and of the files that it includes, in order."""
     names: list[str] = []
     parts: list[tuple[LineTexts, Indices, int]] = []
     size = 0
@@ -326,7 +326,7 @@ def _included(folder: Path, home: Path, name: str, dialect: Dialect) -> Path:
     places = [home / name, folder / name] if dialect.deck_first else [folder / name, home / name]
     try:
         return next((place for place in places if place.is_file()), places[0])
-    except (OSError, ValueError):  # no name of a file: refused when it is read
+    except (OSError, ValueError):  # not a file name: refused when it is read
         return places[0]
 
 
@@ -335,8 +335,7 @@ def _file_text(
 ) -> bytes:
     """Return the text of a file, included from a place unless that is empty.
 
-    ``parents`` are the files, resolved, that include one another up to it. So many bytes were read
-    before.
+    ``parents`` are the resolved paths of the files that include it; bytes read before count.
     """
     try:
         data = deck_text(file_bytes(path), path)
@@ -348,13 +347,11 @@ def _file_text(
         origin = f"{included_from}: {dialect.include}: " if included_from else ""
         reason = f"cannot be read ({error.strerror})"
         if isinstance(error, FileNotFoundError):
-            reason = "is not there"
+            reason = "does not exist"
         message = f"{origin}{dialect.kind} '{path}' {reason}; check the path"
         raise FormatError(message) from error
     if path.resolve() in parents or len(parents) >= DEEPEST:
-        refuse(
-            f"{included_from}: {dialect.include} of '{path}' goes in a circle; remove one of them"
-        )
+        refuse(f"{included_from}: {dialect.include} of '{path}' is circular; remove an include")
     return data
 
 

@@ -1,8 +1,7 @@
 """Nastran DMIG cards, as punched or as written by hand: matrices with labelled rows and columns.
 
-A matrix is a header card, which says its form, and one card for every column: grid and component of
-the column, then grid, component and value of every row. Scalar points have component 0; they become
-component 1 here.
+A matrix has a header card with its form, and one card for every column: grid and component of the
+column, then grid, component and value of every row. Component 0 of scalar points becomes 1.
 """
 
 from collections.abc import Mapping
@@ -33,14 +32,14 @@ _FORMS = {1: "square", 2: "rectangular", 6: "symmetric", 9: "rectangular"}
 def read_dmig(path: Path, name: str) -> LabelledMatrix:
     """Read the matrix ``"M"``, ``"C"`` or ``"K"`` of a file with DMIG cards.
 
-    It is chosen by its name, see :func:`faying.io.matrix_labels.chosen_name`. Rows and columns are
-    in ascending order of grid and component; of a symmetric matrix (form 6) both triangles are
+    :func:`faying.io.matrix_labels.chosen_name` chooses it by its name. Rows and columns are
+    in ascending order of grid and component; both triangles of a symmetric matrix (form 6) are
     filled in. A value has ten digits in a punch file (sixteen columns); OP4 keeps them all.
     """
     with reading("DMIG", path):
         cards = read_cards(lines_of_file(path)).cards().get("DMIG")
         if cards is None:
-            damaged("it holds no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH or so")
+            damaged("it has no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH, for example")
         headers = _headers(cards)
         return _matrix(cards, chosen_name(list(headers), name), headers)
 
@@ -75,7 +74,7 @@ def _matrix(cards: Cards, name: str, headers: Mapping[str, int]) -> LabelledMatr
         )
     mine = np.array(cards.words(0)) == name
     mine[headers[name]] = False
-    # Groups of grid, component, real and imaginary part behind that of the column.
+    # Groups of grid, component, real and imaginary part, after the group of the column.
     entries = cards.take(mine).groups(4, 4)
     row, column = _dof(entries, 0), _dof(entries.whole, 1)
     value, imaginary = entries.reals(2), entries.reals(3, 0.0)
@@ -105,7 +104,7 @@ def _matrix(cards: Cards, name: str, headers: Mapping[str, int]) -> LabelledMatr
 
 
 def _dof(cards: Cards, field: int) -> Indices:
-    """Grid and component in one number; scalar points have component 0 and become 1."""
+    """Return grid and component as one number each; component 0 of scalar points becomes 1."""
     grid, component = cards.integers(field), cards.integers(field + 1, 0)
     cards.refuse_where(
         (grid < 1) | (grid > 10**9) | (component < 0) | (component > 6),
@@ -122,7 +121,7 @@ def dmig_text(name: str, matrix: Matrix, dofs: Indices) -> str:
 
     Notes
     -----
-    Sixteen columns hold ten to fifteen significant digits, a double has seventeen: OP4 loses none.
+    Sixteen columns hold 10 to 15 significant digits, a double has 17; OP4 keeps them all.
     """
     symmetric = np.array_equal(matrix, matrix.T)
     form = SYMMETRIC if symmetric else SQUARE

@@ -13,7 +13,7 @@ from faying.model.shells import ShellBlock
 from faying.model.surface import WIDTH, padded
 
 Fits = Callable[[Indices, str, str, Indices], Mask]
-"""Which of some requests (m,) mean a face: the requests, the kinds of the element and of the
+"""Function that returns which requests (m,) mean a face, from requests, kinds of element and
 face, and the face's corners (m, 3 or 4)."""
 
 
@@ -21,7 +21,7 @@ _Block = TypeVar("_Block", CellBlock, ShellBlock)
 
 
 def on_blocks(blocks: Sequence[_Block], ids: Indices) -> Iterator[tuple[_Block, Indices, Indices]]:
-    """Yield blocks with elements among ids (n,), which of the ids, and the nodes of each."""
+    """Yield each block that has some of the ids (n,), indices of these ids, and their nodes."""
     for block in blocks:
         order = np.argsort(block.ids, kind="stable")
         row = order[np.minimum(np.searchsorted(block.ids, ids, sorter=order), len(order) - 1)]
@@ -31,7 +31,7 @@ def on_blocks(blocks: Sequence[_Block], ids: Indices) -> Iterator[tuple[_Block, 
 
 
 def numbered_faces(blocks: Sequence[CellBlock], elements: Indices, numbers: Indices) -> Indices:
-    """Return the faces (n, 8) S1, S2, ... of elements by id, -1 behind the last and without any."""
+    """Return the faces (n, 8) S1, S2, ... of elements by id, padded with -1."""
     faces = np.full((len(elements), WIDTH), -1, dtype=np.int64)
     for block, members, nodes in on_blocks(blocks, elements):
         for number, (_, local) in enumerate(SOLIDS[block.kind].faces, start=1):
@@ -44,7 +44,7 @@ def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tu
     """Return the face (n, 8) of each requested element (n,) that fits, and whether it is a solid.
 
     Several requests may name one element. Faces are node indices, corners then mid-sides,
-    counter-clockwise seen from outside, -1 behind the last; all -1 where not exactly one face fits.
+    counter-clockwise seen from outside, padded with -1; all -1 unless exactly one face fits.
     """
     faces = np.full((len(elements), WIDTH), -1, dtype=np.int64)
     count = np.zeros(len(elements), dtype=np.int64)
@@ -64,7 +64,7 @@ def shell_facets(block: ShellBlock, chosen: Indices | Mask, turned: Mask) -> Ind
     """Return shells as facets (n, n_node), seen from the side of their normal or turned (n,)."""
     corners, count = 3 if block.kind.startswith("tri") else 4, block.nodes.shape[1]
     middle = [*range(corners, count)][::-1]
-    # Backwards from the last corner: the middle of the last two corners comes first.
+    # Backwards from the last corner; the mid-side node of the last two corners comes first.
     order = [*range(corners)][::-1] + middle[1:] + middle[:1]
     nodes = block.nodes[chosen]
     return np.where(turned[:, None], nodes[:, order], nodes)
@@ -76,7 +76,7 @@ def face_areas(kind: str, places: Matrix) -> Matrix:
 
 
 def nodal_forces(kind: str, traction: Matrix) -> Matrix:
-    """Return consistent forces (n, n_node, 3) of tractions (n, n_q, 3) at those points."""
+    """Return consistent forces (n, n_node, 3) of tractions (n, n_q, 3) at Gauss points."""
     rule = gauss_rule(kind, FACES[kind].pressure_order)
     shape = shape_functions(kind, rule.points)
     return np.asarray(np.einsum("qa,q,fqd->fad", shape, rule.weights, traction))

@@ -1,7 +1,7 @@
-"""Compiled readers of other programs' files, run in a process of their own.
+"""Compiled readers of other programs' files, each run in its own process.
 
-Such a reader trusts the file; a damaged one can crash or stall the process that reads it, which
-must not be the user's.
+Such a reader trusts the file: a damaged file can crash or stall the process that reads it, so this
+must not be the user's process.
 """
 
 import subprocess
@@ -22,9 +22,9 @@ from faying.files.child_python import (
 from faying.linalg.memory import free_memory, gigabytes, physical_memory
 
 ROOM = 10**9
-"""Bytes of addresses that the libraries of a reader may take, beside the memory that is free.
+"""Bytes of address space that the libraries of a reader may take, beyond the free memory.
 
-Those of Ansys archives take 0.4 GB.
+The libraries for Ansys archives take 0.4 GB.
 """
 
 _NOT_INSTALLED = 3
@@ -46,11 +46,11 @@ def read_isolated(
     """Let a script read a file and return the arrays it saves.
 
     The script takes the file from ``sys.argv[1]``, calls ``numpy.savez`` on ``sys.argv[2]``, and
-    exits with status 3 where its reader is not installed. Messages say what is read, and which
-    extra of faying installs the reader, where one is needed.
+    exits with status 3 if its reader is not installed. Messages name what is read and the extra
+    of faying that installs the reader.
     """
     if not path.is_file():
-        refuse(f"{what}: '{path}' is not there; check the path")
+        refuse(f"{what}: '{path}' does not exist; check the path")
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "arrays.npz"
         limit = STARTUP_SECONDS + path.stat().st_size / SLOWEST_READING

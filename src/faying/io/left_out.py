@@ -1,8 +1,8 @@
-"""What becomes of the parts of a deck that are not read, or not written: one rule for all programs.
+"""Parts of a deck that are not read or not written: one rule for all programs.
 
-What says nothing about a linear structure with contact is left out, and what that means is noted.
-What changes stiffness, mass, supports or contact is left out only if the user asks for it by one
-of the words of :data:`IGNORABLE`; without that, and all else, is refused: everything at once.
+Parts that do not affect a linear structure with contact are left out with a note.
+Parts that change stiffness, mass, supports or contact are left out only on request by one
+of the words of :data:`IGNORABLE`. All other parts are refused, in one message.
 """
 
 from collections import defaultdict
@@ -20,10 +20,10 @@ IGNORABLE: Mapping[str, str] = MappingProxyType(
     {
         "plastic": "materials stay linear elastic at any stress",
         "friction": "surfaces that touch slide freely",
-        "temperature": "nothing expands, and materials are those of the reference temperature",
+        "temperature": "nothing expands; materials are as at the reference temperature",
     }
 )
-"""What is left out on request only, and what that means."""
+"""Words that leave parts out on request, and the consequence of each."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,9 +33,9 @@ class Occurrence:
     Attributes
     ----------
     name
-        ``"TIE"``, ``"CROD"``; with what tells it from others where that matters.
+        ``"TIE"``, ``"CROD"``; with an addition where the name alone is ambiguous.
     where
-        File and line of the first.
+        File and line of the first occurrence.
     """
 
     name: str
@@ -45,20 +45,20 @@ class Occurrence:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Handling:
-    """What happens to names that a reader does not read.
+    """Treatment of names that a reader does not read.
 
     Attributes
     ----------
     what, mark
-        What the program calls them, ``"keyword"``, ``"card"``, and what it puts before their names.
+        The program's term, ``"keyword"`` or ``"card"``, and the sign before names.
     harmless
-        Name to what leaving it out means.
+        Names to the consequence of leaving them out.
     on_request
-        Name to the word of :data:`IGNORABLE` that leaves it out.
+        Names to the words of :data:`IGNORABLE` that leave them out.
     remedies
-        Name to what to do instead.
+        Names to the remedy.
     unknown
-        What to do about a name that is none of these.
+        Remedy for any other name.
     """
 
     what: str
@@ -69,13 +69,13 @@ class Handling:
     unknown: str
 
     def names(self) -> list[str]:
-        """Return all names that something is known about."""
+        """Return all names listed in any of the mappings."""
         return [*self.harmless, *self.on_request, *self.remedies]
 
     def notes(
         self, occurrences: Iterable[Occurrence], ignore: Collection[str], path: Path
     ) -> list[str]:
-        """Return what is left out and what that means, a note for each meaning."""
+        """Return one note for each consequence, with all names left out for it."""
         left_out: dict[str, list[Occurrence]] = defaultdict(list)
         refused: dict[str, list[Occurrence]] = defaultdict(list)
         for entry in occurrences:
@@ -96,7 +96,7 @@ class Handling:
         ]
 
     def _message(self, refused: Mapping[str, list[Occurrence]], path: Path) -> str:
-        """Return one line for one name, else a heading and the names under what to do."""
+        """Return one line for one name, else a heading and the names under each remedy."""
         groups = list(refused.items())
         problem = "not supported and may change the structure"
         if len(groups) == 1 and len(groups[0][1]) == 1:
@@ -115,21 +115,21 @@ class Handling:
 
 
 def request(word: str) -> str:
-    """Return how to have something left out, and what that means."""
+    """Return the advice to leave something out, with the consequence."""
     return f'remove it, or leave it out by ignore = ["{word}"]: {IGNORABLE[word]}'
 
 
 def checked_ignore(words: Iterable[str]) -> frozenset[str]:
-    """Return the words of an ``ignore`` argument."""
+    """Return the words of an ``ignore`` argument; refuse unknown ones."""
     chosen = frozenset([words] if isinstance(words, str) else words)
     unknown = sorted(chosen - IGNORABLE.keys())
     if unknown:
-        refuse(f"ignore: '{unknown[0]}' is not known; known are {', '.join(IGNORABLE)}")
+        refuse(f"ignore: '{unknown[0]}' is unknown; expected some of {', '.join(IGNORABLE)}")
     return chosen
 
 
 def refuse_unwritten(assembly: Assembly) -> None:
-    """Refuse an assembly with elements that no deck writer knows."""
+    """Refuse an assembly with elements that no deck writer supports."""
     kinds: Mapping[str, Collection[object]] = {
         "matrices from another program": [m for m in [assembly.matrices] if m is not None],
         "shells": assembly.shells,
@@ -146,11 +146,11 @@ def refuse_unwritten(assembly: Assembly) -> None:
     if unwritten:
         refuse(
             f"the assembly has {' and '.join(unwritten)}, which faying reads but does not write; "
-            "export the reduced model instead, or write solids, beams, springs and couplings alone"
+            "export the reduced model instead, or write only solids, beams, springs and couplings"
         )
 
 
 def write_whole(path: str | PathLike[str], text: str) -> None:
-    """Write a deck, which appears complete or not at all."""
+    """Write a deck completely or not at all."""
     with replacing(Path(path)) as temporary:
         temporary.write_text(text, encoding="ascii", errors="replace")

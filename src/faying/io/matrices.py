@@ -78,12 +78,12 @@ def matrices_assembly(
     node_sets
         Names to node ids.
     beams, springs, masses, rigid_couplings, average_couplings, equations, supports
-        Passed through; they refer to nodes by index.
+        Members of the assembly; they refer to nodes by index.
 
     Raises
     ------
     ModelError
-        Naming the matrix, row and column, or the node id, that does not fit.
+        If a matrix or table does not fit; the message names row and column, or node id.
     """
     points = np.asarray(nodes, dtype=np.float64).reshape(-1, 3)
     ids = np.arange(1, len(points) + 1) if node_ids is None else np.asarray(node_ids)
@@ -139,18 +139,18 @@ def read_matrices(
         Files of the kinds in :data:`faying.io.matrix_tables.READERS`.
     nodes
         Rows of id, x, y, z (``.csv``, ``.txt``, ``.npz``), or the deck (``.inp``, ``.bdf``,
-        ``.nas``, ``.fem``), whose surfaces and node sets then are there too.
+        ``.nas``, ``.fem``), which also supplies surfaces and node sets.
     dofs
         Node id and component 1..6 of each matrix row (``.csv``, ``.txt``, ``.npz``). Without it,
-        the labels of K count, to which those of M and C are brought; without labels, rows run
+        M and C are sorted to the row labels of K; without labels, rows run
         through the nodes with three or six components each, whichever fits.
     faces, node_sets
         Rows of set name, node id, node id, …; or an ``.npz`` with one array per set.
     held
-        Node id and component 1..6 of each degree of freedom to hold at zero, where the matrices
-        come unconstrained; a file like ``dofs``.
+        Node id and component 1..6 of each degree of freedom to hold at zero, if the matrices
+        are unconstrained; a file like ``dofs``.
     **parts
-        Those of :func:`matrices_assembly`: couplings, supports, ``name``, …
+        Other arguments of :func:`matrices_assembly`: couplings, supports, ``name``, …
 
     Raises
     ------
@@ -214,7 +214,7 @@ def _mesh(points: Matrix, ids: Indices) -> Mesh:
 
 
 def _every_node(mesh: Mesh, shape: tuple[int, ...]) -> Indices:
-    """Rows of a matrix that holds three, or six, components of every node in order."""
+    """Return the dof table of a matrix with three or six components of every node in order."""
     n_node = len(mesh.node_ids)
     for size in (3, 6):
         if shape == (size * n_node, size * n_node):
@@ -228,7 +228,7 @@ def _every_node(mesh: Mesh, shape: tuple[int, ...]) -> Indices:
 
 
 def _rows(mesh: Mesh, dofs: npt.NDArray[Any], what: str = "dof table") -> tuple[Indices, Indices]:
-    """Node index and component 0..5 of each row."""
+    """Return node index and component 0..5 of each row."""
     if dofs.ndim != 2 or dofs.shape[1] != 2 or dofs.dtype.kind not in "iu":
         refuse_model(
             f"{what}: shape {dofs.shape} of {dofs.dtype}; expected whole numbers (n, 2): "
@@ -238,7 +238,7 @@ def _rows(mesh: Mesh, dofs: npt.NDArray[Any], what: str = "dof table") -> tuple[
     unknown = np.flatnonzero(~np.isin(table[:, 0], mesh.node_ids))
     if unknown.size:
         row = int(unknown[0])
-        refuse_model(f"{what}: row {row + 1} names node {table[row, 0]}, which is not a node")
+        refuse_model(f"{what}: row {row + 1} names node {table[row, 0]}, which does not exist")
     wrong = np.flatnonzero((table[:, 1] < 1) | (table[:, 1] > 6))
     if wrong.size:
         row = int(wrong[0])
@@ -248,8 +248,8 @@ def _rows(mesh: Mesh, dofs: npt.NDArray[Any], what: str = "dof table") -> tuple[
     if again.size:
         row = int(again[0])
         refuse_model(
-            f"{what}: node {table[row, 0]} component {table[row, 1]} stands in rows "
-            f"{first[which.ravel()[row]] + 1} and {row + 1}; each belongs to one row"
+            f"{what}: node {table[row, 0]} component {table[row, 1]} occurs in rows "
+            f"{first[which.ravel()[row]] + 1} and {row + 1}; keep one"
         )
     return mesh.node_index(table[:, 0]), table[:, 1] - 1
 
@@ -269,7 +269,7 @@ def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:
 
 
 def _supports(mesh: Mesh, table: Indices) -> list[Support]:
-    """Hold the components a table names, one support per component."""
+    """Return one support for each component named in a table."""
     index, component = _rows(mesh, table, "held components")
     return [
         Support(id=int(number) + 1, nodes=index[component == number], components=(int(number),))
@@ -278,16 +278,16 @@ def _supports(mesh: Mesh, table: Indices) -> list[Support]:
 
 
 def _rowless(mesh: Mesh, name: str, faces: FaceSet, present: Indices) -> str:
-    """Say that nodes of an interface count as held, for they may be eliminated ones instead."""
+    """Return the note that interface nodes without rows count as held; they may be eliminated."""
     missing = mesh.node_ids[np.setdiff1d(faces.nodes, present)]
     if not len(missing):
         return ""
     nodes = listed(missing)
-    return f"{len(missing)} nodes of face set '{name}' without rows, taken as held: {nodes}"
+    return f"{len(missing)} nodes of face set '{name}' have no rows and count as held: {nodes}"
 
 
 def _turning(mesh: Mesh, nodes: Indices) -> str:
-    """Say that rows labelled as displacements were taken as rotations."""
+    """Return the note that rows labelled as displacements were taken as rotations."""
     if not len(nodes):
         return ""
     return (

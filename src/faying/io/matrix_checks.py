@@ -1,4 +1,4 @@
-"""What mass, damping and stiffness matrices must satisfy; every message names row and node."""
+"""Checks of mass, damping and stiffness matrices; every message names row and node."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from faying.exceptions import ModelError, refuse_model
 
 
 class RowLabel:
-    """Says which node and component a matrix row belongs to."""
+    """Labels of matrix rows for messages: node and component."""
 
     def __init__(self, ids: Indices, components: Indices) -> None:
         self.ids, self.components = ids, components
@@ -21,7 +21,7 @@ class RowLabel:
         return len(self.ids)
 
     def __call__(self, row: int) -> str:
-        """Return the row, counted from 1, with node id and component 1..6."""
+        """Return the row number from 1, node id and component 1..6."""
         labelled = row < len(self)
         label = f", node {self.ids[row]} component {self.components[row] + 1}" if labelled else ""
         return f"row {row + 1}{label}"
@@ -85,7 +85,7 @@ def check_mass(mass: SparseMatrix, label: RowLabel) -> None:
     if len(diagonal) and diagonal.min() < 0:
         row = int(diagonal.argmin())
         refuse_model(
-            f"matrix M: the diagonal is {diagonal[row]:g} at {label(row)}; mass is positive"
+            f"matrix M: the diagonal is {diagonal[row]:g} at {label(row)}; masses must be positive"
         )
     for component in range(3):
         motion = (label.components == component).astype(np.float64)
@@ -101,18 +101,18 @@ def check_mass(mass: SparseMatrix, label: RowLabel) -> None:
 def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indices:
     """Find nodes whose rows, labelled as translations, are rotations.
 
-    CalculiX has no rotational degrees of freedom: those of a rigid body, a coupling or a beam's end
-    are the displacements of nodes of their own.
+    CalculiX has no rotational degrees of freedom: rotations of a rigid body, a coupling or a beam
+    end are displacements of extra nodes.
 
-    A translation of the whole structure meets no resistance, and nothing turns in it. Where all
-    rows labelled with one direction move together and K resists, some of them do not belong to that
-    motion: those that stand still in the motion of least energy, if K then resists no more. K (n,
-    n) is symmetric, rows have a node index and a component 0..5 (n,). Nodes next to supports are
-    never among those returned.
+    A translation of the whole structure meets no resistance and rotates nothing. If K resists
+    a common motion of all rows labelled with one direction, some of these rows are no translations:
+    the rows that stand still in the motion of least energy, if K does not resist that motion. K
+    (n, n) is symmetric; rows have a node index and a component 0..5 (n,). Nodes next to supports
+    are never returned.
 
     Notes
     -----
-    One factorization of the rows around what resists.
+    One factorization of the rows around the resisting ones.
     """
     translation = components < 3
     rigid = np.stack([components == c for c in range(3)], axis=1).astype(float)
@@ -127,19 +127,19 @@ def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indic
     turning = np.setdiff1d(suspects, moving)
     without = rigid * ~np.isin(nodes, turning)[:, None]
     wrong = nodes[_resisted(K, without).any(axis=1)]
-    # Where everything is next to a support nothing is left that moves, and nothing can be said.
+    # Where all nodes are next to a support nothing moves, and rotations cannot be found.
     linked = nodes[(abs(K) @ without > 0).any(axis=1)]
     return np.intersect1d(np.setdiff1d(turning, wrong), linked)
 
 
 def _resisted(K: SparseMatrix, motions: Matrix) -> Mask:
-    """Tell where K resists motions (n, k) by more than round-off."""
+    """Return where K resists motions (n, k) by more than round-off."""
     force, size = K @ motions, abs(K) @ np.abs(motions)
     return np.asarray(np.abs(force) > DECK_DIGITS * size)
 
 
 def _relaxed(K: SparseMatrix, motions: Matrix, free: Mask) -> Matrix:
-    """Return motions (n, k) with the free rows where they need the least energy."""
+    """Return motions (n, k) whose free rows minimize the energy."""
     inner = sp.csc_array(K[free][:, free])
     inner = inner + ROUND_OFF * float(K.diagonal().max()) * sp.eye_array(inner.shape[0])
     fixed = np.where(free[:, None], 0.0, motions)

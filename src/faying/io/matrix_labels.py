@@ -1,4 +1,4 @@
-"""Matrices with labelled rows in one order, and which of several in a file is M, C or K."""
+"""Matrices with labelled rows in a common order, and the choice of M, C or K from a file."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -15,15 +15,15 @@ from faying.exceptions import FormatError, refuse_model
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LabelledMatrix:
-    """A matrix as read.
+    """A matrix read from a file.
 
     Attributes
     ----------
     matrix : (n, n)
     dofs : (n, 2) or None
-        Node id and component 1..6 of each row, where the file says so itself.
+        Node id and component 1..6 of each row, where the file has them.
     fixed : (n_fixed, 2) or None
-        The same of rows the file marks as held, which ``matrix`` does not have.
+        Node id and component of rows that the file marks as held; ``matrix`` lacks these rows.
     """
 
     matrix: SparseMatrix
@@ -36,14 +36,14 @@ def aligned(
 ) -> tuple[dict[str, SparseMatrix], Indices | None]:
     """Return matrices ``"K"``, ``"M"``, ``"C"`` in the order of one dof table, and the table.
 
-    A table of its own (n, 2) has node id and component 1..6 of each row; else the labels of K lead,
-    or of the first that has any; without a label either there is none. Matrices without labels are
-    in this order already.
+    A given table (n, 2) has node id and component 1..6 of each row. Without one, the table is the
+    labels of K, or of the first matrix that has any, or None. Matrices without labels are assumed
+    to be in this order.
 
     Raises
     ------
     ModelError
-        If a matrix has rows that the leading order does not have; those it lacks are zero. Rows
+        If a matrix has rows that the table does not have; rows that it lacks are zero. Rows
         that K holds (:attr:`LabelledMatrix.fixed`) leave all matrices.
 
     Notes
@@ -85,7 +85,7 @@ def _placed(name: str, labelled: LabelledMatrix, table: Indices, fixed: Indices)
 
 
 def _positions(labels: Indices, table: Indices) -> Indices:
-    """Row of each label (n, 2) in a table, -1 where it is not there."""
+    """Return the row of each label (n, 2) in a table, -1 where the table lacks it."""
     if not len(table):
         return np.full(len(labels), -1)
     # Components are below ten; a table may hold other numbers, which is refused elsewhere.
@@ -107,17 +107,17 @@ REAL_DOUBLE = 2
 
 
 class DamageError(ValueError):
-    """What is wrong in a file, and where; the name of the file is added on the way out."""
+    """An error in a file and its position; :func:`reading` adds the name of the file."""
 
 
 def damaged(text: str) -> NoReturn:
-    """Raise what is wrong in a file."""
+    """Raise the error of a damaged file."""
     raise DamageError(text)
 
 
 @contextmanager
 def reading(kind: str, path: Path) -> Iterator[None]:
-    """Name a file of matrices where it cannot be read, or is damaged."""
+    """Turn errors within the block into messages that name the matrix file."""
     try:
         yield
     except OSError as error:
@@ -131,7 +131,7 @@ def reading(kind: str, path: Path) -> Iterator[None]:
 def chosen_name(names: Sequence[str], letter_name: str) -> str:
     """Return the name of the matrix ``"M"``, ``"C"`` or ``"K"``.
 
-    It is that very name; else the only one; else the only one that begins with the letter Nastran
+    It is the given name; else the only name; else the only one that begins with the letter Nastran
     uses (M, B for damping, K).
     """
     exact = [name for name in names if name.upper() == letter_name.upper()]

@@ -1,7 +1,7 @@
-"""One matrix from one file, with row labels where it has them; tables that go with matrices.
+"""Matrices from files, with row labels where present; node, dof and set tables.
 
-SciPy's readers of Matrix Market and MATLAB files are compiled and trust the file: damaged ones
-ended the process by writes beyond its arrays (seen with SciPy 1.17). They have one of their own.
+SciPy's readers of Matrix Market and MATLAB files are compiled and trust the file: damaged files
+crashed the process by writes beyond arrays (SciPy 1.17). They run in a separate process.
 """
 
 import zipfile
@@ -49,11 +49,11 @@ READERS: Mapping[str, str] = {
 def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
     """Read a sparse or dense real matrix from a file of a kind in :data:`READERS`, by its suffix.
 
-    Where a file holds several the name, ``"M"``, ``"C"`` or ``"K"``, is the variable to take.
+    If the file holds several matrices, the name ``"M"``, ``"C"`` or ``"K"`` selects one.
     """
     path = Path(path)
     if not path.is_file():
-        refuse(f"matrix {name}: file '{path}' is not there; check the path")
+        refuse(f"matrix {name}: file '{path}' does not exist; check the path")
     reader_name = READERS.get(path.suffix.lower())
     if reader_name is None:
         refuse(
@@ -69,7 +69,7 @@ def _read(reader: Callable[[Path, str], Any], path: Path, name: str) -> Labelled
         return replace(labelled, matrix=_real(labelled.matrix, path, name))
     except FayingError:
         raise
-    except Exception as error:  # readers raise whatever a damaged file meets
+    except Exception as error:  # readers raise any error for a damaged file
         message = f"matrix {name}: '{path}' cannot be read ({reason_of(error)}); write it again"
         raise FormatError(message) from error
 
@@ -88,7 +88,7 @@ def _real(matrix: Any, path: Path, name: str) -> SparseMatrix:
 
 
 def _check_indices(matrix: Any) -> None:
-    """Refuse indices that are out of range, which compiled code follows wherever they point."""
+    """Refuse indices out of range; compiled code would access memory outside the arrays."""
     check_rows(matrix.shape)
     if matrix.format in ("csr", "csc", "bsr"):
         matrix.check_format(full_check=True)
@@ -97,7 +97,7 @@ def _check_indices(matrix: Any) -> None:
 def read_npz(path: Path, name: str) -> LabelledMatrix:
     """Read a matrix from ``scipy.sparse.save_npz`` or ``numpy.savez``."""
     if not zipfile.is_zipfile(path):
-        refuse_value("it is no .npz file")
+        refuse_value("it is not an .npz file")
     arrays = read_matrices(path)
     if "format" in arrays and "data" in arrays:
         return LabelledMatrix(matrix=sp.load_npz(path))
@@ -105,7 +105,7 @@ def read_npz(path: Path, name: str) -> LabelledMatrix:
 
 
 def read_market(path: Path, name: str) -> LabelledMatrix:
-    """Read a Matrix Market file, or one of Abaqus, which has the same suffix but no heading."""
+    """Read a Matrix Market file, or an Abaqus file of the same suffix without heading."""
     with path.open("rb") as file:
         heading = file.read(14)
     if heading == b"%%MatrixMarket":
@@ -147,7 +147,7 @@ import numpy as np, scipy.io, scipy.sparse as sp
 rows, columns, _, layout, field, symmetry = scipy.io.mminfo(sys.argv[1])
 if field not in ("real", "integer", "unsigned-integer"):
     sys.exit(f"it is {field} {symmetry}; expected real or integer, general or symmetric")
-if layout == "array":  # of one that is cut off SciPy takes the remainder as zero
+if layout == "array":  # SciPy takes missing lines as zero
     sides = {"general": 2 * columns, "symmetric": rows + 1, "skew-symmetric": rows - 1}
     with open(sys.argv[1]) as file:
         lines = sum(1 for line in file if line.strip() and line[0] != "%") - 1
@@ -173,12 +173,12 @@ matrices = {name: value for name, value in numbers.items() if min(value.shape) >
 
 
 def read_market_matrix(path: Path, what: str) -> SparseMatrix:
-    """Read a real matrix, of coordinates or an array."""
+    """Read a real matrix in coordinate or array format."""
     return _by_scipy(_MARKET, path, what)[""]
 
 
 def read_matlab_matrices(path: Path, what: str) -> dict[str, SparseMatrix]:
-    """Read the matrices of a MATLAB file up to version 7; vectors and numbers where it has none.
+    """Read the matrices of a MATLAB file up to version 7, else its vectors and numbers.
 
     Variables of other classes are left out.
     """
@@ -201,7 +201,7 @@ def _by_scipy(script: str, path: Path, what: str) -> dict[str, SparseMatrix]:
 def read_node_table(path: str | PathLike[str]) -> tuple[Indices, Matrix]:
     """Return ids (n,) and coordinates (n, 3) from rows of id, x, y, z.
 
-    Text files (``.csv``, ``.txt``, ``.dat``) separate by commas, semicolons or blanks and may
+    Text files (``.csv``, ``.txt``, ``.dat``) use commas, semicolons or blanks as separators and may
     have a heading line and comments after ``#``. An ``.npz`` holds one array (n, 4).
     """
     table = _numbers(Path(path), "node table", ("id", "x", "y", "z"))
@@ -209,9 +209,9 @@ def read_node_table(path: str | PathLike[str]) -> tuple[Indices, Matrix]:
 
 
 def read_dof_table(path: str | PathLike[str]) -> Indices:
-    """Return (n, 2) node id and component 1..6 of each matrix row, from rows of the same.
+    """Return node id and component 1..6 (n, 2) of each matrix row.
 
-    Files are those of :func:`read_node_table`, or the ``.pch`` of an external superelement of
+    Files are like those of :func:`read_node_table`, or the ``.pch`` of an external superelement of
     Nastran with its EXTRN card.
     """
     if Path(path).suffix.lower() == ".pch" and Path(path).is_file():
@@ -244,7 +244,7 @@ def _arrays(path: Path, what: str) -> dict[str, Matrix]:
     _check_there(path, what)
     try:
         return read_arrays(path)
-    except Exception as error:  # whatever a damaged archive meets
+    except Exception as error:  # any error of a damaged archive
         message = (
             f"{what} '{path}' cannot be read ({reason_of(error)}); write it again by numpy.savez"
         )
@@ -253,7 +253,7 @@ def _arrays(path: Path, what: str) -> dict[str, Matrix]:
 
 def _check_there(path: Path, what: str) -> None:
     if not path.is_file():
-        refuse(f"{what} '{path}' is not there; check the path")
+        refuse(f"{what} '{path}' does not exist; check the path")
     if path.suffix.lower() not in (".npz", ".csv", ".txt", ".dat"):
         refuse(f"{what} '{path}' ends in '{path.suffix}'; readable are .csv, .txt, .npz")
 
@@ -295,7 +295,7 @@ def _whole(table: Matrix, path: Path, what: str) -> Indices:
 def read_extrn(path: Path) -> Indices:
     """Return node id and component 1..6 (n, 2) of the rows of an external superelement's matrices.
 
-    They are in the ``.pch`` that Nastran wrote beside the OP4 file (EXTSEOUT with MATOP4 or
+    Nastran writes them to the ``.pch`` beside the OP4 file (EXTSEOUT with MATOP4 or
     DMIGOP4). Scalar points get component 1.
     """
     cards = read_cards(lines_of_file(path)).cards().get("EXTRN")
@@ -308,12 +308,12 @@ def read_extrn(path: Path) -> Indices:
     rows = [row for field in range(0, len(card), 2) for row in _rows_of_pair(card, field)]
     table = np.array(rows, dtype=np.int64).reshape(-1, 2)
     if len(np.unique(table, axis=0)) != len(table):
-        card.refuse("a grid component is named twice")
+        card.refuse("a grid component occurs twice; keep one")
     return table
 
 
 def _rows_of_pair(card: Card, field: int) -> list[tuple[int, int]]:
-    """Rows of one pair of grid and components; scalar points have component 0."""
+    """Return the rows of one pair of grid and components; scalar points have component 0."""
     grid, components = card.text(field), card.text(field + 1)
     if not grid and not components:
         return []
@@ -321,5 +321,5 @@ def _rows_of_pair(card: Card, field: int) -> list[tuple[int, int]]:
     digits = components or "0"
     good = digits == "0" or (set(digits) <= set("123456") and len(set(digits)) == len(digits))
     if number is None or number < 1 or not good:
-        card.refuse(f"'{grid} {components}' is no grid with its components", field)
+        card.refuse(f"'{grid} {components}' is not a grid with its components", field)
     return [(number, max(int(digit), 1)) for digit in sorted(digits)]

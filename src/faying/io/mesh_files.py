@@ -1,7 +1,7 @@
-"""Meshes of gmsh and other meshers, read by meshio: solids, named groups, no loads or couplings.
+"""Meshes of gmsh and other meshers, read by meshio: solids and named groups.
 
-A ``.med`` of Salome may hold several meshes, as of parts that were meshed each on its own; meshio
-reads one, and numbers of families in place of the groups they belong to.
+A ``.med`` of Salome may hold several meshes, for example of parts meshed separately. meshio reads
+one of them, and numbers of families instead of their groups.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ from faying.model.mesh import Mesh
 from faying.model.surface import padded
 
 ANY_GROUP = "default"
-"""Material of the groups that have none of their own."""
+"""Name of the material for groups without their own."""
 
 OTHER_SOURCES = {
     ".bdf": "nastran",
@@ -39,10 +39,10 @@ OTHER_SOURCES = {
     ".nas": "nastran",
     ".inp": "abaqus",
 }
-"""Decks that meshio reads only in part: it drops couplings, beams and supports."""
+"""Suffixes of decks, of which meshio drops couplings, beams and supports."""
 
 SOLID_KINDS = {element.elsewhere.meshio: element for element in SOLIDS.values()}
-"""Solids by meshio's names."""
+"""Solid element kinds of faying by meshio's names."""
 
 _REMEDIES = {
     "hexahedron27": "in gmsh set Mesh.SecondOrderIncomplete = 1 for 20-node bricks",
@@ -56,24 +56,22 @@ def read_mesh_file(
 ) -> Assembly:
     """Read solids and named groups from a mesh file: ``.msh``, ``.vtu``, ``.med`` and others.
 
-    Anything meshio reads that is no deck. Volume groups (gmsh: physical groups) become element sets
-    and carry the materials, ``"default"`` that of groups without one of their own; other names are
-    there for bolts. Surface groups become face and node sets, line and point groups node sets.
-    Without volume groups all solids are one group named ``"solids"``. Supports, bolts and loads are
-    said elsewhere.
+    All formats of meshio but decks. Volume groups (gmsh: physical groups) become element sets
+    with a material each: its own or ``"default"``; materials of other names serve bolts. Surface
+    groups become face and node sets, line and point groups node sets. Without volume groups all
+    solids form the group ``"solids"``. A mesh has no supports, bolts or loads.
 
-    Volume groups to separate have nodes of their own, see
-    :func:`faying.model.bodies.separated`: parts of a fragmented geometry, which share the
-    nodes of the faces where they touch. Node ids count from 1 in the order of the file, and so do
-    element ids and property ids.
+    Volume groups to separate, such as parts of a fragmented geometry that share nodes where they
+    touch, get their own nodes, see :func:`faying.model.bodies.separated`. Ids of nodes, elements
+    and properties count from 1 in the order of the file.
 
     Raises
     ------
     FormatError
-        If the file is missing, damaged, a deck, without solids or with solids of other kinds, or
+        If the file is missing, damaged, a deck, without solids or with unsupported solids, or
         a group has no material.
     ModelError
-        If a group to separate is not there.
+        If a group to separate does not exist.
     """
     path = Path(path)
     if path.suffix.lower() == ".cdb":
@@ -110,9 +108,9 @@ def read_mesh_file(
 
 
 def _read(path: Path) -> Any:
-    """Return meshio's mesh or its like; meshio prints and exits where a reader should raise."""
+    """Return a mesh in meshio's form; meshio prints and exits where a reader should raise."""
     if not path.is_file():
-        refuse(f"mesh file '{path}' is not there; check the path")
+        refuse(f"mesh file '{path}' does not exist; check the path")
     source = OTHER_SOURCES.get(path.suffix.lower())
     if source is not None:
         refuse(
@@ -131,7 +129,7 @@ def _read(path: Path) -> Any:
             np.errstate(all="ignore"),
         ):
             return read_med(path) if path.suffix.lower() == ".med" else meshio.read(path)
-    except (Exception, SystemExit) as error:  # meshio's readers raise whatever a damaged file meets
+    except (Exception, SystemExit) as error:  # meshio's readers raise any error for a damaged file
         reason = " ".join(said.getvalue().split())[:200] or reason_of(error)
         message = (
             f"mesh file '{path}' cannot be read ({reason}); write it again, as .msh (4.1 or 2.2), "
@@ -141,7 +139,7 @@ def _read(path: Path) -> Any:
 
 
 def meshio_of_all_solids() -> Any:
-    """Return meshio, with two kinds of solids that 5.3.5 reads but forgot to be solids."""
+    """Return meshio, with two kinds that meshio 5.3.5 reads but does not list as solids."""
     import meshio
     from meshio._mesh import topological_dimension
 
@@ -151,7 +149,7 @@ def meshio_of_all_solids() -> Any:
 
 
 def _check_whole(path: Path) -> None:
-    """Refuse a gmsh file that was cut off: meshio would return the part that is there."""
+    """Refuse an incomplete gmsh file; meshio would return the part that exists."""
     if path.suffix.lower() != ".msh":
         return
     with path.open("rb") as file:
@@ -159,8 +157,8 @@ def _check_whole(path: Path) -> None:
         last = file.read().split()
     if not last or not last[-1].startswith(b"$End"):
         refuse(
-            f"mesh file '{path}' cannot be read: it does not end with a section's $End, so it was "
-            "cut off; write it again"
+            f"mesh file '{path}' cannot be read: it does not end with a section's $End, so it is "
+            "incomplete; write it again"
         )
 
 
@@ -177,7 +175,7 @@ def _points(path: Path, mesh: Any) -> Matrix:
 def _blocks(
     path: Path, mesh: Any, points: Matrix, groups: list[Group]
 ) -> tuple[tuple[CellBlock, ...], list[str]]:
-    """Blocks of solids, and what was changed."""
+    """Return blocks of solids, and notes of changes."""
     blocks, first, turned = [], 1, 0
     for number, block in enumerate(mesh.cells):
         if dimension(block.type) != 3:
@@ -203,21 +201,21 @@ def _blocks(
             f"mesh file '{path}' has no solids; in gmsh mesh in three dimensions and put volumes "
             "into physical groups"
         )
-    notes = [f"node order of {turned} solids inside out"] if turned else []
+    notes = [f"node order of {turned} inverted solids"] if turned else []
     return tuple(blocks), notes
 
 
 def _connectivity(path: Path, block: Any, n_points: int) -> Indices:
-    """Return the nodes of the cells of a block of solids, checked."""
+    """Return the checked nodes of the cells of a block of solids."""
     nodes = np.asarray(block.data, dtype=np.int64)
     expected = SOLID_KINDS[block.type].n_nodes
     if nodes.ndim != 2 or nodes.shape[1] != expected:
         refuse(
             f"mesh file '{path}': a block of {block.type} of shape {nodes.shape}, expected "
-            f"{expected} nodes a cell; the file is cut off or damaged, write it again"
+            f"{expected} nodes a cell; the file is incomplete or damaged, write it again"
         )
     if nodes.size and (nodes.min() < 0 or nodes.max() >= n_points):
-        refuse(f"mesh file '{path}': a {block.type} names a node that is not there")
+        refuse(f"mesh file '{path}': a {block.type} names a node that does not exist")
     return nodes
 
 
@@ -238,7 +236,7 @@ def _properties(path: Path, groups: list[Group], block: int, n_cells: int) -> In
 def _sets(
     mesh: Any, groups: list[Group], volumes: list[Group], blocks: tuple[CellBlock, ...]
 ) -> tuple[dict[str, Indices], dict[str, Indices]]:
-    """Element sets of volume groups and node sets of all groups."""
+    """Return element sets of volume groups and node sets of all groups."""
     solids = iter(blocks)
     ids = [next(solids).ids if dimension(block.type) == 3 else None for block in mesh.cells]
     element_sets: dict[str, Indices] = {}
@@ -258,11 +256,11 @@ def _sets(
 def _with_faces(
     mesh_read: Any, groups: list[Group], whole: Mesh, mesh: Mesh
 ) -> tuple[Mesh, dict[str, FaceSet], list[str]]:
-    """Surface groups as facets of the solids, which know what is outside.
+    """Turn surface groups into outward facets of the solids.
 
-    A mesher's own orientation follows its geometry, not the body. Groups of faces between solids,
-    or of facets of several kinds, remain node sets. Where bodies were separated, a group has the
-    nodes of the bodies whose faces it names, of both where it is where they touch.
+    A mesher's orientation follows the geometry, not the body. Groups of faces between solids or of
+    several kinds of facets remain node sets. Where bodies were separated, a group has the nodes of
+    the bodies whose faces it names, also of both where they touch.
     """
     origin = np.arange(len(mesh.nodes) + 1)
     origin[-1] = -1
@@ -292,7 +290,7 @@ def _with_faces(
             node_sets[group.name] = members[~elsewhere]
         else:
             notes.append(
-                f"surface group '{group.name}' is no face of one kind of solid's outside: "
+                f"surface group '{group.name}' is not made of outer faces of one kind: "
                 "taken as a set of nodes"
             )
     return replace(mesh, node_sets=node_sets), face_sets, notes
@@ -314,8 +312,8 @@ _SOLID = ("tetra", "hexahedron", "wedge", "pyramid")
 def read_med(path: Path) -> Any:
     """Return the meshes of a file as one mesh of meshio, groups as its cell sets.
 
-    Solids that no group of a file with groups holds are a group of the name of their mesh. A name
-    that groups of two meshes have gets that of the mesh in front: ``part/name``.
+    In a file with groups, solids without a group form a group named after their mesh. A group name
+    that occurs in two meshes gets the name of the mesh as prefix: ``part/name``.
     """
     import h5py
     import meshio
@@ -364,7 +362,7 @@ def read_med(path: Path) -> Any:
 
 
 def _named(part: Any) -> dict[str, list[int]]:
-    """Return groups of cells and the families they are made of."""
+    """Return the families of each group of cells."""
     groups: dict[str, list[int]] = {}
     for family, names in part.cell_tags.items():
         for name in names:

@@ -1,4 +1,4 @@
-"""Groups of a mesh file's cells: what names and numbers of meshio stand for."""
+"""Groups of a mesh file's cells from names and numbers of meshio."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,15 +10,15 @@ from faying._typing import Indices
 from faying.model.elements import FACES
 
 FACE_NODES = {face.meshio: face.n_nodes for face in FACES.values()}
-"""Number of nodes of the faces of solids, by meshio's name."""
+"""Number of nodes of each kind of face, by meshio's name."""
 
 _TAGS = ("gmsh:physical", "medit:ref", "cell_tags", "CellEntityIds", "property", "material")
-"""Cell data that number the groups, the first one found."""
+"""Cell data with the numbers of the groups; the first one found counts."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Group:
-    """Cells of one group: name, number, and which (n_cell,) of each block of meshio."""
+    """Cells of one group: name, number, and cell indices (n_cell,) in each block of meshio."""
 
     name: str
     number: int
@@ -26,7 +26,7 @@ class Group:
 
 
 def groups_of(mesh: Any) -> list[Group]:
-    """Return named groups of cells; unnamed numbers are named by themselves."""
+    """Return named groups of cells; the name of an unnamed group is its number."""
     named = {
         name: [np.empty(0) if cells is None else cells for cells in blocks]
         for name, blocks in mesh.cell_sets.items()
@@ -43,7 +43,7 @@ def groups_of(mesh: Any) -> list[Group]:
 
 
 def _tagged(mesh: Any) -> dict[str, list[Any]]:
-    """Return groups by number and dimension, as cell data tell them."""
+    """Return groups by number and dimension, from cell data."""
     key = next((key for key in _TAGS if key in mesh.cell_data), None)
     if key is None:
         return {}
@@ -72,7 +72,7 @@ def _tagged(mesh: Any) -> dict[str, list[Any]]:
 
 
 def dimension(kind: str) -> int:
-    """Return the dimension of a kind of cells, 3 for those it does not know."""
+    """Return the dimension of a kind of cells; 3 for unknown kinds."""
     if kind.startswith(("triangle", "quad")):
         return 2
     if kind.startswith("line"):
@@ -81,7 +81,7 @@ def dimension(kind: str) -> int:
 
 
 def volume_groups(mesh: Any, groups: list[Group]) -> list[Group]:
-    """Return groups that hold solids; one of all solids where there is none."""
+    """Return the groups of solids; without one, a group of all solids."""
     solid = [dimension(block.type) == 3 for block in mesh.cells]
     holding = [
         group
@@ -96,7 +96,7 @@ def volume_groups(mesh: Any, groups: list[Group]) -> list[Group]:
 
 
 def cells_of(mesh: Any, group: Group) -> Iterator[tuple[Any, Indices]]:
-    """Yield blocks of meshio and the cells of a group in them."""
+    """Yield blocks of meshio and the cell indices of a group in each."""
     for block, cells in zip(mesh.cells, group.cells, strict=True):
         if len(cells):
             yield block, cells

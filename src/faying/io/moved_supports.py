@@ -1,7 +1,7 @@
-"""Supports that move: stiff springs to ground, pulled by loads.
+"""Supports with prescribed displacements: stiff springs to ground, pulled by loads.
 
-A support moved by w is a spring of stiffness k under the force k w. It then stands wherever the
-load case says: at w times the value of the deck's load, and at zero where that is not applied.
+A support with displacement w is a spring of stiffness k under the force k w. A load case moves it
+by w times the factor of the deck's load, and not at all where the load is not applied.
 """
 
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ def with_moved_supports(
 ) -> tuple[Assembly, list[Matrix]]:
     """Return the assembly with the springs, and the forces (n_node, 6) of each load.
 
-    What is moved has displacements (n_load,). Nodes with axes, rows of (3, 3), have components
+    Each place has displacements (n_load,). Nodes with axes, rows of (3, 3), have components
     along them.
 
     Notes
@@ -60,13 +60,13 @@ def with_moved_supports(
         node, component = [*moved][int(fixed[0])]
         refuse_model(
             f"node {assembly.mesh.node_ids[node]} is moved along component {component + 1}, "
-            "which something else holds; remove one of them"
+            "which a support or coupling holds too; remove one"
         )
     if not there.any():
         return assembly, list(forces)
-    # Where nothing is, there is nothing to be moved.
+    # A place without stiffness moves nothing.
     places = [dof for dof, is_free in zip(moved, there.tolist(), strict=True) if is_free]
-    # No stiffer than along the softest of what moves with it, all else held.
+    # Along an equation: the smallest stiffness of what moves with it, all else held.
     stiffnesses = diagonal[rows.indices] / rows.data**2
     softest = np.minimum.reduceat(stiffnesses, rows.indptr[:-1][there])
     stiffness = np.where(softest > 0, softest, diagonal.max()) / DECK_DIGITS
@@ -102,8 +102,8 @@ def _direction(dof: Place, axes: Mapping[int, Matrix]) -> Matrix:
 
 
 def moved_note(count: int, cause: str, loads: str) -> str:
-    """Return what to say of displacements other than zero, and which loads apply them."""
+    """Return the note on nonzero displacements and the loads that apply them."""
     return (
-        f"{count} displacements other than zero by {cause}: springs of {1 / DECK_DIGITS:g} times "
+        f"{count} nonzero displacements by {cause}: springs of {1 / DECK_DIGITS:g} times "
         f"the stiffness there, moved by {loads} (deck_load) and at zero without them"
     )

@@ -1,12 +1,12 @@
 """Nastran OUTPUT4 files: dense, sparse and BIGMAT, text and binary, either byte order.
 
-An OP4 file is a list of named matrices. Each is a header (columns, rows, form, type, name), a
-record for every column that is not zero, and one record for the column after the last. A column
-holds *strings*, runs of consecutive rows. Rows have no labels: what row belongs to what degree of
-freedom is said elsewhere, in faying by the dof table.
+An OP4 file is a list of named matrices. Each has a header (columns, rows, form, type, name), a
+record for every nonzero column, and one record for the column after the last. A column
+holds *strings*, runs of consecutive rows. Rows have no labels; faying's dof table assigns
+degrees of freedom to rows.
 
-Nothing is allocated on the word of the file alone: every string must lie in its record and in its
-matrix, and rows must ascend, so that a damaged file is refused and not misread.
+Sizes in the file are checked before memory is allocated: every string must lie in its record and in
+its matrix, and rows must ascend, so that a damaged file is refused and not misread.
 """
 
 import struct
@@ -40,7 +40,7 @@ FORMS = {SQUARE: "square", RECTANGULAR: "rectangular", SYMMETRIC: "symmetric"}
 
 
 def read_op4_matrices(path: str | PathLike[str]) -> dict[str, SparseMatrix]:
-    """Read all matrices of an OP4 file: name as written, without blanks, to sparse matrix.
+    """Read all matrices of an OP4 file, by names as written without blanks.
 
     Raises
     ------
@@ -50,8 +50,8 @@ def read_op4_matrices(path: str | PathLike[str]) -> dict[str, SparseMatrix]:
 
     Notes
     -----
-    Format: OUTPUT4 and INPUTT4 in any Nastran's DMAP manual. Binary files are walked record by
-    record and fetched in batches; half a million columns take seconds.
+    Format: OUTPUT4 and INPUTT4 in any Nastran's DMAP manual. Binary files are scanned record by
+    record and read in batches; half a million columns take seconds.
     """
     return _read(Path(path), None)
 
@@ -59,8 +59,8 @@ def read_op4_matrices(path: str | PathLike[str]) -> dict[str, SparseMatrix]:
 def read_op4(path: Path, name: str) -> LabelledMatrix:
     """Read the matrix ``"M"``, ``"C"`` or ``"K"`` of an OP4 file.
 
-    It is the one of that name; else the only one; else the only one whose name begins with the
-    letter Nastran uses (M, B for damping, K). Other matrices of the file may be of any kind.
+    :func:`faying.io.matrix_labels.chosen_name` chooses it by its name. Other matrices of the file
+    may be of any kind.
     """
     return LabelledMatrix(matrix=next(iter(_read(path, name).values())))
 
@@ -140,9 +140,7 @@ def write_op4(path: Path, matrices: Mapping[str, npt.ArrayLike]) -> None:
 
 def _checked(name: str, matrix: npt.ArrayLike) -> Matrix:
     if not (name.isascii() and name.isalnum() and name[0].isalpha() and len(name) <= 8):
-        refuse_model(
-            f"'{name}' is no name for a Nastran matrix; use up to eight letters and digits"
-        )
+        refuse_model(f"'{name}' cannot name a Nastran matrix; use up to eight letters and digits")
     values = np.asarray(matrix, dtype=np.float64)
     table = values[:, None] if values.ndim == 1 else values
     if table.ndim != 2 or table.size == 0 or not np.isfinite(table).all():

@@ -10,13 +10,13 @@ from faying.io.matrix_labels import damaged
 from faying.io.op4_values import BIG_ROWS, Header, Strings, checked_header, chunks, spread
 
 _HEADER_BYTES = {24: 4, 48: 8}
-"""Length of the header record to bytes per integer."""
+"""Bytes per integer, by length of the header record."""
 
 _Record = tuple[int, int]
 
 
 def looks_binary(content: bytes) -> bool:
-    """Tell whether a file begins with the record length of a binary header."""
+    """Return whether a file begins with the record length of a binary header."""
     return b"\0" in content[:4]
 
 
@@ -35,7 +35,7 @@ class BinaryFile:
                 "it begins like a binary file, but not with an OUTPUT4 header of 24 or 48 bytes"
             )
         if len(content) % 4:
-            damaged(f"its {len(content)} bytes are no whole number of words; it was cut off")
+            damaged(f"its {len(content)} bytes are not a whole number of words; it is incomplete")
         self._order, self._size = orders[0]
         self._content = content
         self._words = np.frombuffer(content, dtype=np.uint32)
@@ -45,7 +45,7 @@ class BinaryFile:
         self._head = struct.Struct(f"{self._order}4{code}")
 
     def matrices(self) -> Iterator[tuple[Header, Strings]]:
-        """Walk through the matrices."""
+        """Yield headers and strings of the matrices."""
         position = 0
         while position < len(self._content):
             header = self._header(self._record(position))
@@ -53,7 +53,7 @@ class BinaryFile:
             yield header, strings
 
     def values(self, header: Header, strings: Strings) -> Vector:
-        """Return the values of strings one after the other."""
+        """Return the values of all strings, concatenated."""
         width = self._words_per_value(header)
         kind = np.dtype(f"{self._order}f{4 * width}")
         parts = []
@@ -63,12 +63,12 @@ class BinaryFile:
         return np.concatenate([*parts, np.empty(0)])
 
     def _words_per_value(self, header: Header) -> int:
-        """Four-byte words of a value; where integers have eight bytes, so has a single."""
+        """Return four-byte words per value; with 8-byte integers, singles have 8 bytes too."""
         single, parts = header.kind % 2 == 1 and self._size == 4, 1 + (header.kind > 2)
         return parts * (1 if single else 2)
 
     def _record(self, position: int) -> _Record:
-        """Start and end of the content of the record at a place."""
+        """Return start and end of the content of a record."""
         end = -1
         if position + 4 <= len(self._content):
             (length,) = self._marker.unpack_from(self._content, position)
@@ -84,7 +84,7 @@ class BinaryFile:
         if end - start != 6 * self._size:
             damaged(f"expected the header of a matrix at byte {start - 4}")
         columns, rows, form, kind = self._head.unpack_from(self._content, start)
-        # Two words of four letters, or with 64-bit integers of eight, filled up with blanks.
+        # Two words of four letters, or eight with 64-bit integers, padded with blanks.
         text = self._content[start + 4 * self._size : end].replace(b"\0", b" ")
         name = "".join(text.decode("latin-1").split())
         header = Header(
@@ -99,7 +99,7 @@ class BinaryFile:
         return checked_header(header, len(self._content))
 
     def _columns(self, header: Header, position: int) -> tuple[Strings, int]:
-        """Walk the column records, which tell their place only one after the other."""
+        """Scan the column records; the length of each gives the position of the next."""
         strings: list[tuple[int, int, int, int]] = []
         last = 0
         while True:
@@ -116,7 +116,7 @@ class BinaryFile:
                 )
             if end - start != (3 + length) * self._size:
                 damaged(
-                    f"the record of column {column} at byte {position} says {length} words and "
+                    f"the record of column {column} at byte {position} declares {length} words and "
                     f"holds {(end - start) // self._size - 3}"
                 )
             last = column
@@ -129,7 +129,7 @@ class BinaryFile:
     def _strings(
         self, header: Header, column: Indices, row: Indices, first: Indices, stop: Indices
     ) -> Strings:
-        """Divide columns into strings: a dense column is one, others say so by row 0."""
+        """Divide columns into strings: a dense column is one; sparse columns have row 0."""
         width = self._words_per_value(header)
         dense = row != 0
         if dense.any() and not dense.all():
@@ -146,7 +146,7 @@ class BinaryFile:
     def _sparse_strings(
         self, header: Header, column: Indices, first: Indices, stop: Indices
     ) -> Strings:
-        """Take the next string of every column at once, until none has one left."""
+        """Read the strings of sparse columns, the next string of all columns at once."""
         width, step = self._words_per_value(header), self._size // 4
         heads = (2 if header.big else 1) * step
         parts: list[tuple[Indices, Indices, Indices, Indices]] = []
@@ -173,7 +173,7 @@ class BinaryFile:
         return Strings(column=column, row=row, count=count, start=start)
 
     def _string_heads(self, header: Header, first: Indices) -> tuple[Indices, Indices]:
-        """Words and first row of the strings that begin at some words of the file."""
+        """Return word counts and first rows of the strings that begin at words of the file."""
         head = self._integers(first)
         if header.big:
             return head - 1, self._integers(first + self._size // 4)
@@ -187,5 +187,5 @@ class BinaryFile:
 
 def _whole(header: Header, words: Indices, width: int) -> Indices:
     if (words % width).any() or (words <= 0).any():
-        damaged(f"matrix '{header.name}' ({header.position}) has a string of half a value")
+        damaged(f"matrix '{header.name}' ({header.position}) has a string that ends within a value")
     return words // width

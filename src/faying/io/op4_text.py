@@ -15,7 +15,7 @@ _INTEGER = re.compile(r" *-?\d+")
 _DEFAULT_FORMAT = (5, 16)
 
 _PACKED_WIDTH = 18
-"""Row and length of a string in one integer stand alone in their line, eight columns or more."""
+"""A line with one integer, eight columns or wider, that holds row and length of a string."""
 
 
 class TextFile:
@@ -32,7 +32,7 @@ class TextFile:
         self._length = ends - self._first
 
     def matrices(self) -> Iterator[tuple[Header, Strings]]:
-        """Walk through the matrices."""
+        """Yield headers and strings of the matrices."""
         line = 0
         while line < len(self._first):
             header = self._header(line)
@@ -40,11 +40,11 @@ class TextFile:
             yield header, strings
 
     def values(self, header: Header, strings: Strings) -> Vector:
-        """Return the values of strings one after the other."""
+        """Return the values of all strings, concatenated."""
         per_line, width = header.layout
         lines = -(-strings.count // per_line)
         numbers = spread(strings.start, lines)
-        # Every line is full but the last of a string: nothing was inserted or lost.
+        # All lines of a string but its last are full, so no character was inserted or lost.
         expected = np.full(len(numbers), per_line * width)
         expected[np.cumsum(lines) - 1] -= (lines * per_line - strings.count) * width
         wrong = np.flatnonzero(self._length[numbers] != expected)
@@ -71,7 +71,7 @@ class TextFile:
 
     def _line(self, line: int) -> str:
         if line >= len(self._first):
-            damaged(f"it ends after line {len(self._first)} within a matrix; it was cut off")
+            damaged(f"it ends after line {len(self._first)} within a matrix; it is incomplete")
         start = int(self._first[line])
         return self._content[start : start + int(self._length[line])].decode("latin-1")
 
@@ -97,7 +97,7 @@ class TextFile:
         return checked_header(header, len(self._content))
 
     def _integers(self, line: int, text: str, count: int, width: int = 8) -> list[int]:
-        """Exactly so many integers of fixed width."""
+        """Return ``count`` integers of fixed width; refuse more or fewer."""
         fields = [text[i : i + width] for i in range(0, max(len(text), 1), width)]
         if len(fields) != count or not all(_INTEGER.fullmatch(field) for field in fields):
             damaged(
@@ -107,7 +107,7 @@ class TextFile:
         return [int(field) for field in fields]
 
     def _columns(self, header: Header, line: int) -> tuple[Strings, int]:
-        """Walk the columns, whose lines tell their number only one after the other."""
+        """Scan the columns; the lines of each give the position of the next."""
         per_line, _ = header.layout
         strings: list[tuple[int, int, int, int]] = []
         last, dense = 0, None
@@ -158,7 +158,7 @@ class TextFile:
     def _ended(
         self, header: Header, strings: list[tuple[int, int, int, int]], line: int
     ) -> tuple[Strings, int]:
-        """Join the strings once the closing record is complete."""
+        """Join the strings after a check of the closing record."""
         closing = self._line(line + 1).split()
         if len(closing) != 1:
             damaged(
@@ -172,10 +172,10 @@ class TextFile:
 
 
 def _layout(text: str, line: int) -> tuple[int, int]:
-    """Values per line and columns per value."""
+    """Return values per line and columns per value."""
     if not text:
         return _DEFAULT_FORMAT
     match = _FORMAT.fullmatch(text)
     if match is None or not (int(match[1]) > 0 and 1 < int(match[2]) <= 80):
-        damaged(f"line {line + 1}: '{text}' is no format of values such as 1P,3E23.16")
+        damaged(f"line {line + 1}: '{text}' is not a format of values such as 1P,3E23.16")
     return int(match[1]), int(match[2])

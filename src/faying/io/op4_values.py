@@ -1,4 +1,4 @@
-"""What text and binary OUTPUT4 files have in common."""
+"""Headers and strings of text and binary OUTPUT4 files."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,26 +11,26 @@ from faying.io.matrix_labels import damaged
 from faying.linalg.pieces import PIECE_NUMBERS
 
 REAL, COMPLEX = (1, 2), (3, 4)
-"""Types of matrices, single and double."""
+"""Type numbers of single and double precision."""
 
 UNCHECKED_ROWS = 1_000_000
-"""Rows or columns that any file may claim; more must be justified by its size."""
+"""Rows or columns that any file may declare; more must agree with its size."""
 
 BIG_ROWS = 65536
-"""Rows from which Nastran writes strings in the BIGMAT form even where it does not say so; in the
+"""Rows from which Nastran uses the BIGMAT form without declaring it; in the
 other form row and length share an integer, row + 65536 (words + 1)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Header:
-    """What stands in front of a matrix.
+    """Header of a matrix.
 
     Attributes
     ----------
     big
-        Whether strings are written in the BIGMAT form.
+        Whether strings have the BIGMAT form.
     position
-        Line or byte where it stands, for messages.
+        Line or byte of the header, for messages.
     layout
         Values per line and columns per value of a text file.
     """
@@ -52,9 +52,9 @@ class Strings:
     Attributes
     ----------
     column, row, count : (n_string,)
-        Column and first row from zero, and the number of values.
+        Column and first row, counted from 0, and number of values.
     start : (n_string,)
-        Where the values begin: a word or a line of the file.
+        Word or line of the file where the values begin.
     """
 
     column: Indices
@@ -64,17 +64,17 @@ class Strings:
 
 
 class Op4File(Protocol):
-    """A file whose matrices can be found and fetched."""
+    """A file whose matrices can be listed and read."""
 
     def matrices(self) -> Iterator[tuple[Header, Strings]]:
-        """Walk through the matrices."""
+        """Yield headers and strings of the matrices."""
 
     def values(self, header: Header, strings: Strings) -> Vector:
-        """Return the values of strings one after the other."""
+        """Return the values of all strings, concatenated."""
 
 
 def checked_header(header: Header, n_bytes: int) -> Header:
-    """Return a header of a known type whose size the file's size can justify."""
+    """Return a header after a check of type and of size against the file's size."""
     matrix_label = f"matrix '{header.name}' ({header.position})"
     if not (header.name and header.name.isascii() and header.name.isprintable()):
         damaged(f"no matrix name at {header.position}, where a header is expected")
@@ -85,7 +85,7 @@ def checked_header(header: Header, n_bytes: int) -> Header:
     limit = max(UNCHECKED_ROWS, n_bytes)
     if not (0 < header.rows <= limit and 0 < header.columns <= limit):
         damaged(
-            f"{matrix_label} claims {header.rows} rows and {header.columns} columns, which a "
+            f"{matrix_label} declares {header.rows} rows and {header.columns} columns, which a "
             f"file of {n_bytes} bytes does not hold"
         )
     return header
@@ -99,7 +99,7 @@ def spread(starts: Indices, counts: Indices) -> Indices:
 
 
 def chunks(counts: Indices) -> Iterator[slice]:
-    """Divide strings so that each part holds about so many numbers as a piece."""
+    """Divide strings into parts with about the same number of values."""
     ends = np.cumsum(counts)
     start = 0
     while start < len(ends):

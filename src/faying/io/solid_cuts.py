@@ -1,8 +1,8 @@
 """Bolts of solids: the mesh is cut across the shank and a stiff spring closes the cut.
 
-Abaqus, CalculiX and Nastran double the nodes of a section and let the two sides move apart along
-its normal by one common distance, which the pretension force drives and which is locked afterwards.
-Here this distance is the elongation of a spring in the bolt, far stiffer than the solids beside it.
+Abaqus, CalculiX and Nastran duplicate the nodes of a section and let the two sides move apart along
+its normal by a common distance. The pretension force determines it, and then it is locked.
+Here the distance is the elongation of a spring in the bolt, far stiffer than the adjacent solids.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,22 +24,22 @@ from faying.model.surface import WIDTH, corner_keys, padded, unique_rows
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Section:
-    """Where solids are to be cut.
+    """A section where solids are to be cut.
 
     Attributes
     ----------
     name
         Of the bolt.
     shown
-        What messages call it.
+        Name of the section in messages.
     facets
         Facet kind to nodes (n_facet, n_node_per_facet), seen from outside the owning side.
     elements : (n_element,)
         Ids of the solids that own these facets.
     refuse
-        Raises the error that names the place in the deck.
+        Function that raises an error with the place in the deck.
     direction
-        Normal where the deck gives one; by default the mean one of the facets.
+        Normal in the deck; without one, the mean normal of the facets.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Section:
 
     @property
     def nodes(self) -> Indices:
-        """All nodes of the facets, each once, sorted."""
+        """Sorted nodes of the facets, without duplicates."""
         return np.unique(np.concatenate([part.ravel() for part in self.facets.values()]))
 
 
@@ -64,23 +64,23 @@ class Cut:
     name
         Of the bolt.
     originals, copies : (n,)
-        Nodes of the section, which the elements beyond it keep, and the new ones of the elements
+        Nodes of the section, which the elements beyond it keep, and new nodes of the elements
         that own the surface, in the same order (as in CalculiX).
     normal : (3,)
-        Unit vector from the side that owns the surface to the side beyond.
+        Unit vector from the owning side of the surface to the other side.
     area : [length²]
     sense
-        1 where a positive force of the deck pulls, -1 where it presses.
+        1 if a positive force in the deck is tensile, -1 if compressive.
     ends
-        Two new nodes that move apart as the sides do, along ``component``.
+        Two new nodes; their relative displacement along ``component`` is that of the sides.
     component
-        The one the normal is nearest to.
+        Coordinate direction nearest to the normal.
     owner
-        Id of one element beside the section.
+        Id of an element beside the section.
     owners : (n_element,)
-        Ids of all elements beside the section on the side that got the copies.
+        Ids of all elements beside the section that use the copies.
     touching
-        How many of them are at it with an edge or a corner only.
+        Number of owners that touch the section only with an edge or a corner.
     """
 
     name: str
@@ -97,7 +97,7 @@ class Cut:
 
 
 def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
-    """Give the elements that own the facets of a section nodes of their own."""
+    """Give new nodes to the elements that own the facets of a section."""
     owners = _owning_side(mesh, section)
     n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
     originals = section.nodes
@@ -146,7 +146,7 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
 
 
 def origins(mesh: Mesh, cuts: Sequence[Cut]) -> Indices:
-    """Return which node of the deck each node of a cut mesh (n_node,) stands in the place of."""
+    """Return the node of the deck that each node of a cut mesh (n_node,) copies."""
     origin = np.arange(len(mesh.nodes))
     for cut in cuts:
         origin[cut.copies] = origin[cut.originals]
@@ -155,9 +155,9 @@ def origins(mesh: Mesh, cuts: Sequence[Cut]) -> Indices:
 
 
 def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
-    """Return the direction given on the data line, turned to the mean normal, and its sense.
+    """Return the direction on the data line, turned to the mean normal, and the sense of forces.
 
-    Without one it is the mean normal. A force along a direction that points the other way presses.
+    Without a direction it is the mean normal. Forces along an opposite direction compress.
     """
     if section.direction is None:
         return normal, 1.0
@@ -171,7 +171,7 @@ def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
 
 
 def _owning_side(mesh: Mesh, section: Section) -> Indices:
-    """Ids of the elements at the section on the side that owns its facets."""
+    """Return the ids of the elements at the section, on the side that owns its facets."""
     at_section = [np.isin(block.nodes, section.nodes) for block in mesh.blocks]
     touching: list[Mask] = [np.asarray(nodes.any(axis=1)) for nodes in at_section]
     faces, ids, _ = faces_of(mesh, touching)
@@ -189,20 +189,20 @@ def _owning_side(mesh: Mesh, section: Section) -> Indices:
     across = elements[np.setdiff1d(position[is_cut], np.flatnonzero(np.isin(part, owners)))]
     if not len(across) or np.intersect1d(part[np.isin(elements, across)], owners).size:
         section.refuse(
-            f"{section.shown} does not cut the solids it lies in from rim to rim; take "
+            f"{section.shown} does not cut fully through its solids; take "
             "all element faces of one cross-section of the shank, seen from one side"
         )
     others = np.setdiff1d(np.arange(count), [*owners, *part[np.isin(elements, across)]])
     if others.size:
         section.refuse(
             f"element {elements[part == others[0]][0]} touches {section.shown} only "
-            "at an edge or a corner, so its side is not clear; place the section elsewhere"
+            "at an edge or a corner, so its side is ambiguous; place the section elsewhere"
         )
     return elements[np.isin(part, owners)]
 
 
 def faces_of(mesh: Mesh, chosen: Sequence[Mask]) -> tuple[Indices, Indices, Matrix]:
-    """Return faces (n_face, 8) of elements chosen block by block, their ids and their centres."""
+    """Return faces (n_face, 8) of elements chosen by masks per block, element ids, and centres."""
     tables, ids = [np.zeros((0, WIDTH), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     centres = [np.zeros((0, 3))]
     for block, mask in zip(mesh.blocks, chosen, strict=True):
@@ -215,9 +215,9 @@ def faces_of(mesh: Mesh, chosen: Sequence[Mask]) -> tuple[Indices, Indices, Matr
 
 
 def on_their_sides(mesh: Mesh, cuts: Sequence[Cut], facets: Indices) -> Indices:
-    """Return facets (n_facet, 8) beside cuts with the nodes they have on the cut mesh.
+    """Return facets (n_facet, 8) beside cuts with their nodes on the cut mesh.
 
-    Facets are given by the nodes they had before, -1 behind the last; the mesh has all cuts.
+    Facets are given with the nodes before the cuts, padded with -1; the mesh has all cuts.
     """
     for cut in cuts:
         position = np.full(len(mesh.nodes) + 1, -1, dtype=np.int64)
@@ -251,7 +251,7 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
                     Equation(id=number, terms=tuple(term for term in terms if term[2] != 0.0))
                 )
         spring_id += 1
-        # As long as the section is wide: a direction and a place are all that is known of a shank.
+        # Only direction and place of the shank are known: its length is the width of the section.
         centre, half = assembly.mesh.nodes[fixed], np.sqrt(cut.area / np.pi) * cut.normal
         springs.append(
             Spring(
@@ -277,7 +277,7 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
 
 
 def _layer_stiffness(assembly: Assembly, cut: Cut) -> float:
-    """E A / h of the layer of elements beside a cut, h along its normal."""
+    """Return E A / h of the layer of elements beside a cut, with h along its normal."""
     for block in assembly.mesh.blocks:
         row = np.flatnonzero(block.ids == cut.owner)
         if row.size:

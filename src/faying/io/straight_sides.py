@@ -1,4 +1,4 @@
-"""Sides of elements without a mid-side node: straight, with a node that follows the ends."""
+"""Straight sides of elements without a mid-side node; a new node follows the ends."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -13,17 +13,17 @@ Side = tuple[int, int]
 
 @dataclass(kw_only=True)
 class StraightSides:
-    """Sides without a node of their own; elements that share one share its new node.
+    """Sides without a mid-side node; elements that share a side share its new node.
 
     Attributes
     ----------
     places : (n_node, 3) [length]
-        Nodes of the file.
+        Coordinates of the nodes of the file.
     ids : (n_node,)
     ends
-        Node indices of both ends to that of the new node.
+        Node indices of both ends to the index of the new node.
     turning
-        Sides of shells, whose nodes turn too.
+        Sides of shells, whose nodes have rotations.
     """
 
     places: Matrix
@@ -44,17 +44,17 @@ class StraightSides:
 
     @property
     def nodes(self) -> Matrix:
-        """Places (n, 3) of the new nodes."""
+        """Coordinates (n, 3) of the new nodes."""
         ends = np.array(list(self.ends), dtype=np.int64).reshape(-1, 2)
         return np.asarray(self.places[ends].mean(axis=1))
 
     @property
     def node_ids(self) -> Indices:
-        """Ids (n,) of the new nodes, behind all others."""
+        """Ids (n,) of the new nodes, above all others."""
         return int(self.ids.max()) + 1 + np.arange(len(self.ends))
 
     def equations(self) -> Iterator[Equation]:
-        """Yield the means of each new node."""
+        """Yield equations that make each new node the mean of the ends."""
         for side, node in self.ends.items():
             for c in range(6 if side in self.turning else 3):
                 yield Equation(id=0, terms=((node, c, 1.0), *((end, c, -0.5) for end in side)))

@@ -1,4 +1,4 @@
-"""Surfaces that move together, tied or glued, as equations."""
+"""Tied or glued surfaces as equations."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
@@ -28,9 +28,9 @@ from faying.model.surface import rows_by_kind
 def moving_together(
     assembly: Assembly, specs: Iterable[InterfaceSpec]
 ) -> tuple[list[Equation], list[tuple[str, float]]]:
-    """Return the equations of several ties, behind those there are, and which tie but a part.
+    """Return old equations and those of several ties, and the names of incomplete ties.
 
-    The latter by name, with the share of the smaller surface that is tied.
+    Each name comes with the share of the smaller surface that is tied.
     """
     first = max((equation.id for equation in assembly.equations), default=0) + 1
     equations: list[Equation] = []
@@ -46,10 +46,10 @@ def moving_together(
 def following(
     assembly: Assembly, node_indices: Indices, surface: str, reach: float, first: int
 ) -> tuple[tuple[Equation, ...], int]:
-    """Return the equations by which single nodes follow a surface, and how many nodes do.
+    """Return equations by which single nodes follow a surface, and the number of these nodes.
 
-    Nodes (indices (n,)) are within reach [length] of their place; those of the surface itself move
-    with it anyway. The first equation has the id ``first``.
+    Nodes (indices (n,)) follow within ``reach`` [length] of the surface; its own nodes
+    need no equation. The first equation has the id ``first``.
     """
     facets = select_facets(assembly, surface)
     places = nearest_places(assembly.mesh.nodes, node_indices, facets, reach)
@@ -69,9 +69,9 @@ def following(
 def with_elastic_layer(
     assembly: Assembly, spec: InterfaceSpec, normal: float, tangential: float
 ) -> Assembly:
-    """Put springs between two surfaces, at points of where they face each other; gaps do not count.
+    """Put springs between two surfaces at points where they overlap, regardless of gaps.
 
-    At each point a new node takes the relative displacement, which springs resist: tractions per
+    At each point a new node has the relative displacement, and springs resist it: tractions per
     relative displacement, ``normal`` and ``tangential`` [force/length³]. The sides are non-matching
     and named, with a search distance.
     """
@@ -116,7 +116,7 @@ class _LayerPoints(NamedTuple):
 
 
 def _layer_points(mesh: Mesh, segments: Segments) -> Iterator[_LayerPoints]:
-    """Yield the Gauss points of the segments between facets of two kinds each."""
+    """Yield the Gauss points of the segments, for each pair of facet kinds."""
     nodes = mesh.nodes
     for (minus, minus_facets), (plus, others) in product(
         rows_by_kind(segments.minus.nodes).items(), rows_by_kind(segments.plus.nodes).items()
@@ -155,9 +155,9 @@ def _at_points(shape: Matrix, columns: Indices, nodes: Matrix) -> SparseMatrix:
 def _tied_equations(
     assembly: Assembly, spec: InterfaceSpec, first: int
 ) -> tuple[list[Equation], float]:
-    """Return the equations of two surfaces, and the share of the smaller one that they tie.
+    """Return the equations of two surfaces, and the share of the smaller surface that they tie.
 
-    Node by node where the meshes match, and else in the mean (mortar), with the minus side's own
+    Ties are node to node where the meshes match, else mortar means, with the minus side's own
     nodes first. The sides are non-matching and named, with a search distance; the first equation
     has the id ``first``.
     """
@@ -171,17 +171,17 @@ def _tied_equations(
 
 
 def _pairs(assembly: Assembly, spec: InterfaceSpec) -> Indices:
-    """Return the pairs of nodes (n, 2) of surfaces that match; none where they do not."""
+    """Return the node pairs (n, 2) of matching surfaces; none where they do not match."""
     faces = pairs_across(assembly, spec)
     both = [np.column_stack([part.minus.ravel(), part.plus.ravel()]) for part in faces]
     return np.unique(np.concatenate([np.empty((0, 2), dtype=np.int64), *both]), axis=0)
 
 
 def _opposite(assembly: Assembly, spec: InterfaceSpec) -> Indices:
-    """Return the pairs (n, 2) of each minus node and the plus node nearest to it.
+    """Return the pairs (n, 2) of each minus node and the nearest plus node.
 
-    None unless they are one to one, within the search distance, nearer than half an edge, and make
-    facets of the plus side of those of the minus side: meshes of one pattern, of which nodes were
+    There are none unless pairs are one to one, within the search distance, nearer than half an
+    edge, and map minus facets to plus facets: meshes of one pattern in which nodes were
     moved.
     """
     none = np.empty((0, 2), dtype=np.int64)
@@ -213,14 +213,14 @@ def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:
 
 
 def equal_motions(slave_nodes: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
-    """Yield the equations of the relative displacements, for the slave's own nodes first."""
+    """Yield the equations of the relative displacements, slave nodes first."""
     table = motion.tocsr()
     number = first
     for row, node in enumerate(slave_nodes.tolist()):
         part = slice(table.indptr[row], table.indptr[row + 1])
         terms = dict(zip(table.indices[part].tolist(), table.data[part].tolist(), strict=True))
         mine = terms.pop(node, 0.0)
-        for c in range(3 if mine else 0):  # nodes that see nothing are not tied
+        for c in range(3 if mine else 0):  # nodes without an opposite surface are not tied
             yield Equation(
                 id=number,
                 terms=(

@@ -1,4 +1,4 @@
-"""The page on methods: errors in each load case and beyond, what bounds are worth, and cost."""
+"""Tables of the page on methods: errors in load cases and beyond, certified bounds, and cost."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -17,11 +17,11 @@ from faying.study.results.values import CaseResult, MethodResult, Results
 from faying.units import units_of
 
 NO_UNITS = units_of("")
-"""Errors and seconds have none of the study."""
+"""Units of errors and seconds, which do not depend on the study."""
 
 
 def _share(value: float | None) -> float | None:
-    """Return a share in percent; None where there is none."""
+    """Return a share in percent; None where it is missing or infinite."""
     return None if value is None or not np.isfinite(value) else 100 * value
 
 
@@ -60,25 +60,25 @@ ERRORS = (
     Column("residual of friction", lambda row: _share(row.response.law_residual), "%", 3),
     Column("coordinates", lambda row: row.n_modes),
 )
-"""Errors of one method in one load case, the sharpest bounds first."""
+"""Columns of the errors of a method in a load case."""
 
 
 def error_table(case: CaseResult) -> Table:
-    """Return the errors of every method and size in one load case."""
+    """Return the table of errors of every method and size in a load case."""
     if case.reference.backbones:
         return backbone_error_table(case)
     return described("method", _by_size(case.methods), ERRORS, NO_UNITS)
 
 
 def _by_size(methods: Mapping[str, Mapping[int, Any]]) -> Iterator[tuple[str, Any]]:
-    """Yield what belongs to methods of all sizes, by what these are called."""
+    """Yield label and entry of methods of all sizes."""
     for name, sizes in methods.items():
         for count, result in sorted(sizes.items()):
             yield label(name, count), result
 
 
 def backbone_error_table(case: CaseResult) -> Table:
-    """Return how far the backbones of every method are from those of the full model."""
+    """Return the table of backbone errors of every method against the full model."""
     rows = {
         name: (errors, result)
         for name, result in _by_size(case.methods)
@@ -93,7 +93,7 @@ def backbone_error_table(case: CaseResult) -> Table:
 
 
 def load_space_table(results: Results) -> Table:
-    """Return errors at unseen loads; no rows without a load space."""
+    """Return the table of errors at random loads; without rows if there is no load space."""
     record = results.validation.load_space
     rows = _by_size(record.methods if record else {})
     columns = (
@@ -104,7 +104,7 @@ def load_space_table(results: Results) -> Table:
 
 
 def choice_table(results: Results) -> Table:
-    """Return numbers of joint modes chosen automatically; no rows where none were."""
+    """Return the table of automatic numbers of joint modes; without rows if none were chosen."""
     columns = (
         Column("joint modes chosen", lambda choice: choice.count),
         Column(
@@ -115,14 +115,14 @@ def choice_table(results: Results) -> Table:
         ),
         Column(
             "outcome",
-            lambda choice: "certified" if choice.met else "not reached with all there are",
+            lambda choice: "certified" if choice.met else "not reached with all modes",
         ),
     )
     return described("basis", results.validation.choices.items(), columns, NO_UNITS)
 
 
 def timing_table(results: Results) -> Table:
-    """Return what the full model and each method cost."""
+    """Return the table of wall times of the full model and each method."""
     cost = timings(results)
     full = cost["full"]
 
@@ -144,17 +144,17 @@ def timing_table(results: Results) -> Table:
 
 
 def stage_table(results: Results) -> Table:
-    """Return the wall time of every stage, and of the run until its report was drawn."""
+    """Return the table of wall times of every stage, and of the run without files and report."""
     times = {name: float(value) for name, value in results.timings.items()}
     if times:
-        times["all of it, without files and report"] = sum(times.values())
+        times["total without files and report"] = sum(times.values())
     return described(
         "stage", times.items(), (Column("wall time", lambda seconds: seconds, "s", 3),), NO_UNITS
     )
 
 
 def estimate_note(results: Results) -> str:
-    """Say what the estimated errors of transients are; empty where there are none."""
+    """Return a note that explains estimated errors of transients; empty without any."""
     if not any(
         result.response.estimate is not None
         for case in results.cases.values()
@@ -164,9 +164,9 @@ def estimate_note(results: Results) -> str:
         return ""
     low, high = (number(factor, 2) for factor in OBSERVED_RATIOS)
     said = (
-        "Estimated max error, of transients: how far the pressures move when the shapes that the "
-        "transient's own contact forces excite are given their inertia. It takes no full solution "
-        "and is an estimate, no bound; what the time step adds is not in it. Against full "
+        "Estimated max error, of transients: the change of pressures when the shapes that the "
+        "contact forces excite are given inertia. It needs no full solution "
+        "and is an estimate, not a bound; errors of the time step are not in it. Against full "
         f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error"
     )
     said += f", {TRACTIONS_OBSERVED}, over the largest traction."
@@ -174,11 +174,11 @@ def estimate_note(results: Results) -> str:
 
 
 def doubtful_references(results: Results) -> list[str]:
-    """Name the transients whose reduced reference is itself estimated to be off."""
+    """Return warnings about transients whose reduced reference has a large estimated error."""
     return [
-        f"{name}: pressures of the {case.reference_model}, which the errors of this load case are "
-        f"against, are themselves estimated to be off by up to {percent(error)} of the "
-        "peak. Read the estimated errors of the methods, not their differences to it."
+        f"{name}: the reference of the errors of this load case is the {case.reference_model}, "
+        f"whose pressures have an estimated error of up to {percent(error)} of the "
+        "peak. Use the estimated errors of the methods, not their differences to it."
         for name, case in results.cases.items()
         if not case.is_full
         and case.reference.estimate is not None

@@ -1,4 +1,4 @@
-"""The report of a run: a page on the joint and one on the methods, which work offline."""
+"""The report of a run: a page on the joint and a page on the methods, readable offline."""
 
 import re
 from collections.abc import Sequence
@@ -54,17 +54,17 @@ from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.values import Results
 
 LONGEST_UNBROKEN = 22
-"""Characters of a cell that may be broken into lines; a number stays with its unit."""
+"""Characters up to which a cell stays on one line, so that numbers stay with their unit."""
 NARROW_COLUMNS = 3
-"""Most columns that a phone shows side by side; wider tables become a card per row there."""
+"""Most columns side by side on a phone; wider tables become a card per row."""
 GRADES = {"met": "good", "not met": "poor", "unknown": "fair"}
 
 
 def write_report(results: Results, folder: Path) -> Path:
     """Write ``report.html``, ``methods.html`` and ``figures/*.png`` of a run into a folder.
 
-    It is made if it does not exist; files in it are replaced atomically. Returned is the page on
-    the joint.
+    The folder is made if it does not exist; files are replaced atomically. Return the path of
+    the page on the joint.
 
     Raises
     ------
@@ -78,11 +78,11 @@ def write_report(results: Results, folder: Path) -> Path:
 
 
 VERDICT_ROWS = 5
-"""Rows of the verdict above the view on the first screen; others are unfolded."""
+"""Visible rows of the verdict above the view; the others are folded."""
 
 
 def _folded(parts: Sequence[PartVerdict]) -> list[bool]:
-    """Say which rows are folded: all but the worst, one bolt and one interface at least."""
+    """Return which rows are folded: all but the worst, with at least one bolt and interface."""
     severity = {"not met": 2, "unknown": 1, "met": 0}
 
     def used(part: PartVerdict) -> tuple[int, float]:
@@ -97,7 +97,7 @@ def _folded(parts: Sequence[PartVerdict]) -> list[bool]:
 
 
 def render(album: Album, folder: Path) -> str:
-    """Return the page on the joint as text; it links figures relative to its folder."""
+    """Return the page on the joint as HTML; figures are linked relative to its folder."""
     results = album.results
     verdict = run_verdict(results)
     missing = {name: _missing(results, name) for name in results.interfaces}
@@ -135,7 +135,7 @@ def render(album: Album, folder: Path) -> str:
 
 
 def render_methods(album: Album, folder: Path) -> str:
-    """Return the page on methods, their errors and cost as text."""
+    """Return the page on methods, their errors and cost as HTML."""
     results = album.results
     judged = verdicts(results)
     return _page(
@@ -184,15 +184,15 @@ def _page(template: str, results: Results, folder: Path, **values: Any) -> str:
     return environment.get_template(template).render(results=results, own=own(), **values)
 
 
-def _end(check: Check) -> str | None:
-    """Return the end of the scatter that decides, and whether it bounds all within it."""
+def _deciding_scatter(check: Check) -> str | None:
+    """Return the deciding end of the scatter as text, with its kind: bound or sample."""
     if not check.scatter:
         return None
     return f"{check.scatter}, {'bound' if check.bound else 'sample'}"
 
 
 def check_table(verdict: JointVerdict) -> Table:
-    """Return every check with its values."""
+    """Return the table of all checks of a verdict."""
     columns = (
         Column("check", lambda judged: judged.quantity),
         Column("verdict", lambda judged: judged.outcome),
@@ -206,7 +206,7 @@ def check_table(verdict: JointVerdict) -> Table:
         Column("unit", lambda judged: judged.unit or None),
         Column("load case", lambda judged: judged.case or None),
         Column("at", lambda judged: judged.instant, "time"),
-        Column("scatter", _end),
+        Column("scatter", _deciding_scatter),
         Column("demanded", lambda judged: "yes" if judged.required else "no"),
         Column("source", lambda judged: judged.source or None),
         Column("reason", lambda judged: judged.reason or None),
@@ -216,7 +216,7 @@ def check_table(verdict: JointVerdict) -> Table:
 
 
 def _missing(results: Results, name: str) -> tuple[str, bool]:
-    """Say what is missing of a declared contact area, and whether that is most of it."""
+    """Return a warning about unpaired declared area, and whether most of it is unpaired."""
     record = results.interfaces[name]
     area = float(record.weights.sum())
     share = kept_share(area, record.declared_area)
@@ -233,21 +233,21 @@ JUDGING = (
     "strength of bolts",
     "margins of bolts",
 )
-"""Parts of a run without which bolts or interfaces are judged by less, as omissions name them."""
+"""Parts of a run that judge the joint, by their names in omissions."""
 
 
 def _judges(omission: str) -> bool:
-    """Say whether what could not be computed would have judged the joint."""
+    """Return whether an omission concerns the assessment of the joint."""
     return any(f"{part}: " in omission for part in JUDGING)
 
 
 def _of_method(warning: str) -> bool:
-    """Say whether a solution that is missing is that of a reduced model compared with others."""
+    """Return whether a warning concerns a reduced model rather than the reference."""
     return re.search(r" with \d+ joint modes?: ", warning) is not None
 
 
 def _instant(text: str) -> str:
-    """Return the instant of a run as people write it; another text as it is."""
+    """Return the date of a run in readable form; other texts unchanged."""
     try:
         return datetime.fromisoformat(text).strftime("%Y-%m-%d %H:%M %Z")
     except ValueError:

@@ -1,4 +1,4 @@
-"""Which methods can be trusted for pressure, by their errors on the load cases of a run."""
+"""Judgement of methods by their pressure errors on the load cases of a run."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ from faying.study.results.values import CaseResult, MethodResult, Results
 
 
 def against(cases: Iterable[CaseResult]) -> str:
-    """Return "the full model", or "the reference" where a load case has another."""
+    """Return "the full model", or "the reference" if a load case has another reference."""
     return "the full model" if all(case.is_full for case in cases) else "the reference"
 
 
 def reference_note(results: Results) -> str:
-    """Say what the load cases were compared with in place of the full model; empty if with it."""
+    """Return a note on the reduced reference of load cases; empty if it is the full model."""
     reduced = {name: case for name, case in results.cases.items() if not case.is_full}
     if not reduced:
         return ""
@@ -28,44 +28,44 @@ def reference_note(results: Results) -> str:
     moving = [name for name, case in reduced.items() if case.times is not None]
     confirmed = [name for name, case in results.cases.items() if case.is_full]
     said = (
-        f"The full model did not solve {', '.join(reduced)}{reason}: the reference there is the "
-        f"reduced model {models}. Static solutions of it are the full model's up to round-off, and "
+        f"{', '.join(reduced)} were not solved with the full model{reason}: their reference is the "
+        f"reduced model {models}. Its static solutions equal the full model's up to round-off, and "
         "all static errors are certified."
     )
     if confirmed:
         said += f" The full model confirmed the worst static cases: {', '.join(confirmed)}."
     if moving:
         said += (
-            f" In {', '.join(moving)} errors tell how far the normal modes of the study are from "
-            "twice as many; what both miss shows in the difference to recovered pressures."
+            f" In {', '.join(moving)} errors compare the normal modes of the study with "
+            "twice as many; errors of both show in the difference to recovered pressures."
         )
     return said
 
 
 GOOD_ERROR = 0.05
-"""Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
+"""Largest trustworthy relative pressure error: the paper's method B with 20 modes."""
 FAIR_ERROR = 0.10
-"""Largest one that counts as usable with care; the paper rejects method A above it."""
+"""Largest relative pressure error that is usable with care; the paper rejects method A above it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class MethodVerdict:
-    """What can be said of one method on all load cases.
+    """The judgement of a method on all load cases.
 
     Attributes
     ----------
     method
     joint_modes
-        Count judged: the smallest from which on all counts are good, else the best one.
+        Judged number: the smallest from which on all numbers are good, otherwise the best.
     worst
-        Largest relative pressure error over the load cases; infinite where one has no solution.
+        Largest relative pressure error over the load cases; infinite if one has no solution.
     case
         Load case of the worst error.
     grade
         ``"good"``, ``"fair"`` or ``"poor"``.
     sentence
     only
-        Load cases it was compared on; empty where on all of them.
+        Load cases on which the method was compared; empty if on all.
     """
 
     method: str
@@ -85,14 +85,14 @@ def grade(error: float) -> str:
 
 
 def verdicts(results: Results) -> list[MethodVerdict]:
-    """Judge every method, the best first."""
+    """Return the judgements of all methods, the best first."""
     names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
     judged = [verdict for name in names if (verdict := _judged(results.cases, name)) is not None]
     return sorted(judged, key=lambda verdict: verdict.worst)
 
 
 def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | None:
-    # Pressures of backbones are those of the preloaded joint, which tell nothing of vibrations.
+    # Pressures of backbones belong to the preloaded joint and say nothing about vibrations.
     cases = {name: case for name, case in cases.items() if case.kind != "backbone"} or cases
     counts = sorted({n for case in cases.values() for n in case.methods.get(method, {})})
     if not counts:
@@ -123,19 +123,19 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
 
 
 def _only(method: str, asked: Mapping[str, CaseResult], cases: Mapping[str, CaseResult]) -> str:
-    """Name the load cases a method was compared on, where it was not on all of them."""
+    """Return the load cases on which a method was compared, as text; empty if on all."""
     if not _is_transient(method):
         return "static loads"
     return "" if len(asked) == len(cases) else ", ".join(asked)
 
 
 def _is_transient(method: str) -> bool:
-    """Return whether a method is for transients too; some of the literature's are not."""
+    """Return whether a method applies to transients; some of the literature do not."""
     return method not in METHODS or METHODS[method].transient
 
 
 def _worst(cases: Mapping[str, CaseResult], method: str, count: int) -> tuple[float, str]:
-    """Return the largest error over the load cases and where; infinite without a solution."""
+    """Return the largest error over the load cases, infinite without a solution, and its case."""
     worst = (0.0, "")
     for name, case in cases.items():
         result = case.methods.get(method, {}).get(count)
@@ -177,11 +177,11 @@ def _modes(count: int) -> str:
 
 
 def _recovery(results: list[MethodResult]) -> str:
-    """Return how good pressures are that were recovered from the motion of transients."""
+    """Return the error of pressures recovered from the motion of transients, as text."""
     errors = [r.recovered_error for r in results if r.recovered_error is not None]
     if not errors:
         return ""
-    return f"; recovered from its motion in transients, pressures are off by {percent(max(errors))}"
+    return f"; pressures recovered from its motion in transients are off by {percent(max(errors))}"
 
 
 def _all(cases: Mapping[str, CaseResult], method: str, count: int) -> list[MethodResult]:
@@ -198,7 +198,7 @@ def _span(values: list[float]) -> str:
 
 
 def headline(judged: list[MethodVerdict], results: Results) -> str:
-    """Return whether the pressures of reduced models can be trusted, in a sentence or two."""
+    """Return one or two sentences on whether pressures of reduced models can be trusted."""
     if not coarse_steps(results):
         return _answer(judged)
     reference = against(results.cases.values()).capitalize()
@@ -227,9 +227,9 @@ def _answer(judged: list[MethodVerdict]) -> str:
 
 
 def coarse_steps(results: Results) -> list[str]:
-    """Name the load cases whose time step is not fine enough for the pressure."""
+    """Return warnings about load cases whose time step is too large for the pressure."""
     return [
-        f"{name}: the time step is not fine enough for the pressure: with half of it pressures of "
+        f"{name}: the time step is too large for the pressure: with half of it, pressures of "
         f"the {case.reference_model} change by up to {percent(check.largest)} of the peak "
         f"({percent(check.change.rms_relative_error)} root mean square), the peak itself by "
         f"{percent(check.peak_change)}"
@@ -239,7 +239,7 @@ def coarse_steps(results: Results) -> list[str]:
 
 
 def reservations(results: Results) -> list[str]:
-    """Return what the errors do not say, the pressing ones first."""
+    """Return reservations about the errors, the important ones first."""
     said = [*filter(None, [reference_note(results)])]
     said.extend(jumps(results))
     said.extend(_undetermined(results))
@@ -248,25 +248,25 @@ def reservations(results: Results) -> list[str]:
     said.append(
         f"Errors compare each reduced model with {against(results.cases.values())} on the same "
         "mesh, contact law, "
-        "quadrature and time step, for these load cases only. They say nothing of other loads, "
-        "nor of the full model's own discretization error."
+        "quadrature and time step, for these load cases only. They say nothing about other loads, "
+        "nor about the discretization error of the full model."
     )
     return said
 
 
 def _undetermined(results: Results) -> list[str]:
-    """Return the interfaces whose hard contact leaves pressures of points open."""
+    """Return warnings about interfaces whose hard contact does not determine point pressures."""
     return [
         f"{name}: hard contact at {len(record.weights)} points of {len(record.pairs)} node pairs "
         "determines nodal forces, not the pressures of single points, nor their averages: another "
-        "solution of the same forces may carry other ones. A stiff penalty has unique pressures."
+        "solution with equal forces may have other pressures. A stiff penalty has unique pressures."
         for name, record in results.interfaces.items()
         if record.penalty == np.inf and len(record.weights) > len(record.pairs)
     ]
 
 
 def _fewer_modes(results: Results) -> list[str]:
-    """Return the methods whose training gave fewer joint modes than the study asks for."""
+    """Return warnings about methods whose training gave too few joint modes."""
     try:
         asked = results.study_tables["reduction"]["joint_modes"]
         highest = max(count for count in asked if isinstance(count, int))
@@ -279,28 +279,28 @@ def _fewer_modes(results: Results) -> list[str]:
         if max(sizes, default=0) > 0
     }
     return [
-        f"{method}: {highest} joint modes were asked for, but only {_modes(count)} could be made; "
-        "more sides or levels of the training box, for method A more subareas, give more."
+        f"{method}: {highest} joint modes were requested, but training gave only {_modes(count)}; "
+        "add sides or levels to the training box, or subareas for method A."
         for method, count in counts.items()
         if count < highest
     ]
 
 
 def _unseen(results: Results) -> list[str]:
-    """Return the methods that are good on the load cases only."""
+    """Return warnings about methods that are good on the load cases but not beyond them."""
     said = []
     for verdict in verdicts(results):
         elsewhere = _elsewhere(results, verdict)
         if verdict.grade == "good" and elsewhere > GOOD_ERROR:
             said.append(
                 f"{label(verdict.method, verdict.joint_modes)}: good on the load cases, but "
-                f"{percent(elsewhere)} off at the worst static load found beyond them."
+                f"{percent(elsewhere)} off at the worst static load beyond them."
             )
     return said
 
 
 def _elsewhere(results: Results, verdict: MethodVerdict) -> float:
-    """Return the largest error of a method of that size at loads beyond the load cases."""
+    """Return the largest error of a judged method at random loads."""
     validation = results.validation
     sizes = validation.load_space.methods.get(verdict.method, {}) if validation.load_space else {}
     errors = [sizes[verdict.joint_modes].worst_error] if verdict.joint_modes in sizes else []
@@ -308,6 +308,6 @@ def _elsewhere(results: Results, verdict: MethodVerdict) -> float:
 
 
 def meanings(results: Results) -> dict[str, str]:
-    """Return what each method of a run is, in the order in which the study names them."""
+    """Return descriptions of the methods of a run, in the order of the study."""
     names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
     return {name: METHODS[name].meaning for name in names if name in METHODS}

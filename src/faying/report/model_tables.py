@@ -1,4 +1,4 @@
-"""Tables of the model itself: size, interfaces, bolts as tightened; and the loads of a study."""
+"""Tables of the model, its interfaces and bolts, and the loads of a study as text."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -14,7 +14,7 @@ from faying.units import Units
 
 
 def model_table(results: Results) -> Table:
-    """Return the facts of the model."""
+    """Return the table of sizes, mass and units of the model."""
     units = results.unit_set
     kinds = ", ".join(dict.fromkeys(block.kind for block in results.blocks)) or "none"
     elements = sum(len(block.ids) for block in results.blocks)
@@ -32,14 +32,14 @@ def model_table(results: Results) -> Table:
 
 
 def _factorization(results: Results) -> Iterator[tuple[str, str]]:
-    """Say which library factorized, and how much memory that took."""
+    """Yield the row of the factorization library and its memory."""
     backend = results.provenance.get("factorization")
     if backend:
         yield "factorization", f"{backend}, {results.factor_bytes / 1e6:.0f} MB of factors"
 
 
 def _normal_modes(results: Results) -> Iterator[tuple[str, str]]:
-    """Say whether all fixed-interface normal modes up to some frequency are there."""
+    """Yield the row of fixed-interface normal modes, found and counted up to a frequency."""
     count, units = results.normal_modes, results.unit_set
     if count is None:
         return
@@ -51,7 +51,7 @@ def _normal_modes(results: Results) -> Iterator[tuple[str, str]]:
 
 
 def interface_table(results: Results) -> Table:
-    """Return geometry, contact law and preloaded state of the interfaces."""
+    """Return the table of geometry, contact law and preloaded state of the interfaces."""
     columns = (
         Column("node pairs", lambda face: len(face.pairs)),
         Column("contact points", lambda face: len(face.weights)),
@@ -79,7 +79,7 @@ def _declared(face: InterfaceRecord) -> float | None:
 
 
 def _law(face: InterfaceRecord) -> str | None:
-    """Name contact that has no stiffness of its own."""
+    """Return the name of a contact law that is not a linear penalty."""
     if face.penalty is None:
         return str(curve_of(face.closure).name)
     return "hard" if face.penalty == np.inf else None
@@ -99,7 +99,7 @@ def _open(face: InterfaceRecord) -> float:
 
 
 def bolt_table(results: Results) -> Table:
-    """Return preloads and what the tightening reached."""
+    """Return the table of nominal preloads and of bolt forces after tightening."""
     columns = (
         Column("nominal preload", lambda bolt: bolt.preload, "force", 5),
         Column(
@@ -108,15 +108,15 @@ def bolt_table(results: Results) -> Table:
             "force",
             5,
         ),
-        Column("initial force it is locked at", lambda bolt: bolt.initial_force, "force", 5),
+        Column("locked initial force", lambda bolt: bolt.initial_force, "force", 5),
     )
     return described("bolt", results.bolts.items(), columns, results.unit_set)
 
 
 def applied_loads(results: Results) -> dict[str, str]:
-    """Return the loads of each load case as the study states them; empty where it cannot be read.
+    """Return the loads of each load case in the study as text; empty if it cannot be read.
 
-    Results of a study that a later version wrote still make a report.
+    Results with a study of a later version still make a report.
     """
     try:
         cases = results.study_tables.get("load_case", [])
@@ -126,7 +126,7 @@ def applied_loads(results: Results) -> dict[str, str]:
 
 
 def _applied(case: dict[str, Any], units: Units) -> str:
-    """Return the loads of a case, or what it has in their place."""
+    """Return the loads, or the modes, of a case as text."""
     if case["kind"] == "backbone":
         return f"mode{'s' * (len(case['modes']) > 1)} {', '.join(map(str, case['modes']))}"
     return ", ".join(_force(force, units) for force in case["forces"])

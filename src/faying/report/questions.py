@@ -1,4 +1,4 @@
-"""The sections of a report: one for each question an engineer asks of a joint."""
+"""The sections of a report, each on a question about the joint."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -43,18 +43,18 @@ from faying.units import Units
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """What the report says to one question.
+    """A section of the report on a question.
 
     Attributes
     ----------
     title
     sentence
-        The answer, where one sentence has it.
+        The answer, if one sentence can give it.
     tables
     notes
-        What the words in the tables mean.
+        Explanation of terms in the tables.
     figures
-        Of the load case that decides.
+        Figures of the deciding load case.
     """
 
     title: str
@@ -65,7 +65,7 @@ class Section:
 
 
 def questions(results: Results, album: Album) -> list[Section]:
-    """Return the sections that have something to say, in their order, with their pictures."""
+    """Return the sections that are not empty, with their figures."""
     assessment, sections = results.assessment, list[Section]()
     if assessment is not None:
         sections = [_bolts(results, assessment)]
@@ -100,11 +100,11 @@ def _bolts(results: Results, assessment: Assessment) -> Section:
 
 
 def _scatter(spreads: Sequence[Spread], units: Units) -> Table:
-    """Return what scatter of the preloads does to static load cases."""
+    """Return the table of metrics of static load cases over the scatter of preloads."""
     columns = (
         Column("over scattered preloads", lambda spread: spread.metric.replace(".", " of ")),
         Column("unit", lambda spread: units.of(spread.dimension)),
-        Column("as meant", lambda spread: spread.meant),
+        Column("nominal", lambda spread: spread.meant),
         Column("smallest", lambda spread: spread.least),
         Column("5 % below", lambda spread: spread.p05),
         Column("half below", lambda spread: spread.median),
@@ -116,7 +116,7 @@ def _scatter(spreads: Sequence[Spread], units: Units) -> Table:
 
 @dataclass(frozen=True, kw_only=True)
 class _Area:
-    """An interface, or its part nearest to a bolt."""
+    """Clamp force and opening of an interface, or of its part nearest to a bolt."""
 
     clamp: ClampRange
     opening: Mapping[str, float]
@@ -127,7 +127,7 @@ class _Area:
 
 
 def clamp_table(areas: Mapping[str, _Area], units: Units) -> Table:
-    """Return the clamp forces and openings of interfaces and of their parts nearest to bolts."""
+    """Return the table of clamp forces and openings of interfaces and their parts near bolts."""
     columns = (
         Column("clamp force of the preload", lambda area: area.clamp.preload, "force", 5),
         Column("smallest", lambda area: area.clamp.least, "force", 5),
@@ -151,8 +151,8 @@ def _opening(results: Results, assessment: Assessment, album: Album) -> Section:
         title="Opening",
         tables=(clamp_table(areas, results.unit_set),),
         notes=(
-            f"Opens: less than {percent(assessment.open_below)} of the area that the preload "
-            "presses is pressed; the load grows in proportion, the bolts are locked."
+            f"Opens: less than {percent(assessment.open_below)} of the area pressed by the preload "
+            "is still pressed; the load grows in proportion with locked bolts."
             if opened
             else ""
         ),
@@ -163,7 +163,7 @@ def _opening(results: Results, assessment: Assessment, album: Album) -> Section:
 
 
 def clamped_areas(results: Results, assessment: Assessment) -> Iterator[tuple[str, _Area]]:
-    """Yield interfaces and, where several bolts share one, what is around each."""
+    """Yield interfaces, and the areas around bolts where several share an interface."""
     for name, face in assessment.interfaces.items():
         gaps = {
             case.name: seen.gap
@@ -203,7 +203,7 @@ def _half(clamp: ClampRange) -> float | None:
 
 
 def _least(factors: Mapping[str, float]) -> Cell | float | None:
-    """Return the smallest load factor; of loads that never open it the text says so."""
+    """Return the smallest load factor of opening, or "never"."""
     smallest = min(factors.values(), default=None)
     return Cell(text="never") if smallest == np.inf else smallest
 
@@ -217,13 +217,13 @@ def _slip(results: Results, assessment: Assessment, album: Album) -> Section:
     demands, paths, notes = demand_table(results), friction_table(results), list[str]()
     if any(item.slip.needed_friction for item in assessment.interfaces.values()):
         notes.append(
-            "Friction needed: for all that acts along the interface, the bolts carrying no shear."
+            "Friction needed: to carry all tangential load by friction, with no shear in the bolts."
         )
     if any(case.reserve for case in results.cases.values()) and paths.rows:
         notes.append(
             "The load grows in proportion from the preloaded joint. Points that tightening left at "
-            "their friction bound slip under almost any load; slip begins where a twentieth of the "
-            "others does."
+            "their friction limit slip under almost any load; slip begins where a twentieth of the "
+            "others slips."
         )
     slips = {
         name: max((most_slip(item) for item in rubbed(case.reference)), default=0.0)
@@ -268,7 +268,7 @@ def _pressure(results: Results, assessment: Assessment, album: Album) -> Section
 
 
 def _damping(results: Results, album: Album) -> Section:
-    """Return frequency and damping over amplitude, and what cycles take."""
+    """Return the section on frequency and damping over amplitude, and on cycles."""
     units = results.unit_set
     curves = {
         f"{case.name}, mode {mode}": item
@@ -310,7 +310,7 @@ def _damping(results: Results, album: Album) -> Section:
 
 
 def _under_harmonic_loads(results: Results, album: Album) -> Section:
-    """Return where curves over frequency peak, and what friction does there."""
+    """Return the section on peaks over frequency, with friction at the peaks."""
     records = results.frequencies.values()
     checks = [check.sentence for record in records for check in record.checks]
     return Section(
@@ -346,7 +346,7 @@ def _load_cases(results: Results, album: Album) -> Section:
     return Section(
         title="Load cases",
         tables=(described("load case", rows.items(), columns, units),),
-        notes="Of vibrations: the joint at rest." if vibrating else "",
+        notes="Backbones: values of the joint at rest." if vibrating else "",
         figures=album.shown(response_figure, motion_slip_figure, path_figure, of=shown),
     )
 
@@ -366,6 +366,6 @@ def _opened(results: Results, case: CaseResult) -> float:
 
 
 def _drawn(results: Results, name: str | None) -> list[CaseResult]:
-    """Return a load case to draw; none without a name, or at rest as backbones are."""
+    """Return a load case to draw; an empty list without a name, or for backbones."""
     case = results.cases.get(str(name))
     return [] if case is None or case.reference.backbones else [case]

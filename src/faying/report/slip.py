@@ -1,4 +1,4 @@
-"""What slips in the load cases of a run, what interfaces need of friction, where curves peak."""
+"""Slip in the load cases of a run, friction needed by interfaces, and peaks over frequency."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from faying.units import Units
 
 
 def slipping(record: InterfaceRecord, status: Indices) -> float:
-    """Return the slipping share of the area in contact, of the points (n_point,) of one."""
+    """Return the slipping share of an interface's closed area from the states (n_point,)."""
     closed, slips = (
         float(record.weights[points].sum()) for points in (status >= STICK, status == SLIP)
     )
@@ -31,16 +31,16 @@ def slipping(record: InterfaceRecord, status: Indices) -> float:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ShownSlip:
-    """The increment or instant that stands for a load case with friction.
+    """The increment or instant that represents a load case with friction.
 
     Attributes
     ----------
     record, at
-        What friction does, and the number of the increment.
+        Slip record, and number of the increment or instant.
     pressure : (n_point,)
-        Of that increment.
+        Pressure in that increment.
     when
-        When that is, in words.
+        Time or increment in words.
     """
 
     record: SlipRecord
@@ -50,7 +50,7 @@ class ShownSlip:
 
 
 def shown_slip(case: CaseResult, units: Units) -> ShownSlip | None:
-    """Return what stands for a case: a static load at its full value, else where most slips."""
+    """Return the shown increment: the full static load, otherwise that of largest slipping area."""
     paths, motion = increments(case.reference), case.reference.friction
     if case.times is not None and len(motion):
         instant, pressure = motion.most_slip, case.reference.pressure
@@ -69,7 +69,7 @@ def shown_slip(case: CaseResult, units: Units) -> ShownSlip | None:
 
 
 def slip_sentence(results: Results) -> str:
-    """Return what slips in a run, in one sentence; nothing without friction."""
+    """Return a sentence about slip in a run; empty without friction."""
     if not results.rubbing:
         return ""
     shares: dict[str, float] = {}
@@ -85,20 +85,20 @@ def slip_sentence(results: Results) -> str:
     worst = max(shares, key=lambda name: shares[name])
     text = f"The joint slips: up to {percent(shares[worst])} of the area in contact, in {worst}"
     if gross:
-        text += f"; everything that touches slips (macroslip) in {', '.join(gross)}"
-        if all(_holds(results.cases[name]) for name in gross):
-            text += ", in directions that cancel: nothing slides as a whole"
+        text += f"; all closed points slip (macroslip) in {', '.join(gross)}"
+        if all(_does_not_slide(results.cases[name]) for name in gross):
+            text += ", in directions that cancel, so that nothing slides as a whole"
     return " ".join([f"{text}.", vibrating]).rstrip()
 
 
-def _holds(case: CaseResult) -> bool:
-    """Say whether a static load is known not to slide what it makes slip."""
+def _does_not_slide(case: CaseResult) -> bool:
+    """Return whether the slip reserve shows that a static load does not slide an interface."""
     slides = None if case.reserve is None else case.reserve.gross_slip
     return case.kind == "static" and case.reserve is not None and (slides is None or slides > 1)
 
 
 def _in_vibration(results: Results) -> str:
-    """Say from what amplitudes on the modes of backbones slip; nothing where none does."""
+    """Return a sentence about the amplitudes at which backbones slip; empty without slip."""
     said = []
     for name, case in results.cases.items():
         for mode, backbone in case.reference.backbones.items():
@@ -112,19 +112,19 @@ def _in_vibration(results: Results) -> str:
             unit = unit_of(backbone, results.unit_set)
             text = f"mode {mode} of {name} from {backbone.over} {quantity(slips.min(), unit)} on"
             if len(whole):
-                text += f", everything that touches from {quantity(whole.min(), unit)} on"
+                text += f", all closed points from {quantity(whole.min(), unit)} on"
             said.append(text)
     return f"In vibration the joint slips: {'; '.join(said)}." if said else ""
 
 
 def most_slip(path: SlipRecord) -> float:
-    """Return the largest slipping share of the area in contact."""
+    """Return the largest slipping share of the closed area."""
     closed = path.stick_share + path.slip_share
     return float((path.slip_share / np.where(closed > 0, closed, 1.0)).max(initial=0.0))
 
 
 def demand_table(results: Results) -> Table:
-    """Return the friction that interfaces and their parts nearest to bolts need, by sums."""
+    """Return the table of friction that interfaces and their parts near bolts need, by sums."""
     assessment = results.assessment
     demands: dict[str, SlipDemand] = {}
     interfaces = assessment.interfaces if assessment else {}
@@ -144,13 +144,13 @@ def demand_table(results: Results) -> Table:
         Column("clamp force", lambda item: _there(item, item.clamp_force), "force", 5),
         Column("friction given", lambda item: item.coefficient, "", 3),
         Column("safety S_G", lambda item: min(item.safety.values(), default=None), "", 3),
-        Column("not known", lambda item: item.unknown or None),
+        Column("unknown because", lambda item: item.unknown or None),
     )
     return described("interface", demands.items(), columns, results.unit_set)
 
 
 def _needing(demand: SlipDemand) -> str | None:
-    """Return the load case that needs most friction; None where none acts along the area."""
+    """Return the load case that needs most friction; None without tangential load."""
     needed = demand.needed_friction.items()
     return largest({case: share for case, share in needed if share > SMALLEST_FRICTION})
 
@@ -166,7 +166,7 @@ def _there(demand: SlipDemand, values: Mapping[str, float]) -> float | None:
 
 
 def friction_table(results: Results) -> Table:
-    """Return what friction does in each load case."""
+    """Return the table of friction in each load case."""
     cases = results.cases if results.rubbing else {}
     rows = {name: case for name, case in cases.items() if rubbed(case.reference)}
     share = next((case.reserve.share for case in rows.values() if case.reserve), 0.5)
@@ -174,7 +174,7 @@ def friction_table(results: Results) -> Table:
         Column(
             "largest traction", lambda case: max(o.max_traction for o in _rubbed(case)), PRESSURE
         ),
-        Column("energy taken", _energy, FL),
+        Column("dissipated energy", _energy, FL),
         Column("slips at most", lambda case: 100 * max(map(most_slip, _rubbed(case))), "%", 3),
         Column("first point slips at", lambda case: _factor(case.reserve, "first_slip"), "× load"),
         Column("where", lambda case: _where(results, case)),
@@ -191,7 +191,7 @@ def friction_table(results: Results) -> Table:
 
 
 def _energy(case: CaseResult) -> float | None:
-    """Return what friction took since the preload; of cycles damping tells it."""
+    """Return the energy dissipated since the preload; None for cycles, which have another table."""
     return None if case.kind == "cycle" else float(_rubbed(case)[-1].dissipation.sum())
 
 
@@ -200,14 +200,14 @@ def _rubbed(case: CaseResult) -> Any:
 
 
 def _factor(reserve: SlipReserve | None, name: str) -> Cell | float | None:
-    """Return a load factor, or beyond which one nothing is known."""
+    """Return a load factor, or the largest factor that was tried."""
     if reserve is None:
         return None
     factor = getattr(reserve, name)
     if factor is None:
         until = " (no solution beyond)" if reserve.stopped else ""
         return Cell(text=f"above {number(reserve.largest)}{until}")
-    if factor < PRECISION:  # round-off of what tightening left at its bound
+    if factor < PRECISION:  # round-off of points at their bound
         return Cell(text=f"< {PRECISION:g}", value=factor)
     return float(factor)
 
@@ -251,7 +251,7 @@ def peak_table(results: Results) -> Table:
             5,
         ),
         Column(
-            "amplitude by it", lambda row: row[1].expected and row[1].expected.amplitude, "length"
+            "its amplitude", lambda row: row[1].expected and row[1].expected.amplitude, "length"
         ),
     )
     return described("level", peaks.items(), columns, results.unit_set)
@@ -267,7 +267,7 @@ PEAKED = ("neither curve", "the test", "the computed curve", "both")
 
 
 def measured_table(results: Results) -> Table:
-    """Return peaks of a test, and how far computed ones are from them."""
+    """Return the table of measured peaks, and of the deviations of computed ones."""
     compared = [pair for record in results.frequencies.values() for pair in record.compared()]
 
     def known(value: float) -> float | None:

@@ -1,4 +1,4 @@
-"""House style of the figures: one colour per method everywhere, units on every axis."""
+"""House style of the figures: a fixed colour per method, units on every axis."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -40,27 +40,27 @@ RC: Any = {  # matplotlib types the keys as one long Literal
 REFERENCE = "#000000"
 OTHER_COLOUR = "#7F7F7F"
 
-# One that is white at zero, blue and red alike in weight.
+# White at zero, with blue and red of equal weight.
 ERROR_MAP = "RdBu_r"
 GAP_MAP = "Purples"
 SLIP_MAP = "magma_r"
 OPEN_COLOUR = "#E4E4E4"
 
 SMALLEST_DRAWN = DECK_DIGITS
-"""Share of the largest that no picture shows and no ratio is formed of: next to round-off."""
+"""Share of the largest value below which values count as round-off in figures."""
 
 DPI = 150
 
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Use the style for the figures made and saved inside; restores what was set before."""
+    """Use the house style within a ``with`` statement; restore the previous one after it."""
     with mpl.rc_context(RC):
         yield
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Return a figure of a size in inches that belongs to no window."""
+    """Return a figure of a size in inches without a window."""
     layout = ConstrainedLayoutEngine(h_pad=0.1, w_pad=0.12)
     figure = Figure(figsize=(width, height), dpi=DPI, layout=layout)
     FigureCanvasAgg(figure)
@@ -68,8 +68,8 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def save(figure: Figure, path: Path) -> tuple[int, int]:
-    """Save a figure as PNG, its empty margins cut off, atomically; return width and height."""
-    canvas: Any = FigureCanvasAgg(figure)  # its methods are not typed
+    """Save a figure as PNG without empty margins, atomically; return width and height."""
+    canvas: Any = FigureCanvasAgg(figure)  # untyped methods
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
     inked: Mask = pixels[..., :3].min(axis=-1) < 250
@@ -80,7 +80,7 @@ def save(figure: Figure, path: Path) -> tuple[int, int]:
 
 
 def _extent(inked: Mask) -> slice:
-    """Return the range of lines with ink, a margin around it."""
+    """Return the range of lines with ink, plus a margin."""
     lines = np.flatnonzero(inked)
     if not len(lines):
         return slice(0, len(inked))
@@ -99,7 +99,7 @@ def marker(method: str) -> str:
 
 
 def label(method: str, joint_modes: int) -> str:
-    """Return how a method with a number of joint modes is called in figures and tables."""
+    """Return the label of a method with a number of joint modes."""
     if not joint_modes:
         return method
     return f"{method}, {joint_modes} joint mode{'s' if joint_modes > 1 else ''}"

@@ -1,4 +1,4 @@
-"""What limits the full model's own accuracy, in the figures of the run that is reported."""
+"""Limits of the full model's accuracy: mesh, quadrature, time step and contact law."""
 
 from collections.abc import Iterator
 
@@ -12,7 +12,7 @@ from faying.units import Units
 
 
 def trust(results: Results) -> dict[str, str]:
-    """Return what is to be said of quadrature and mesh, time step and contact law, by title."""
+    """Return statements about mesh and quadrature, time step and contact law, by title."""
     units = results.unit_set
     resolution = [*_resolution(results, units), *_mesh(results)]
     statements = {"Mesh and quadrature": " ".join(resolution)}
@@ -34,7 +34,7 @@ def _resolution(results: Results, units: Units) -> Iterator[str]:
 
 
 def _mesh(results: Results) -> Iterator[str]:
-    """Say what the mesh does to the pressures of each interface, in its worst load case."""
+    """Yield the estimated mesh error of each interface in its worst load case."""
     for name, record in results.interfaces.items():
         estimates = [
             (case.mesh_errors[name], case)
@@ -42,24 +42,24 @@ def _mesh(results: Results) -> Iterator[str]:
             if name in case.mesh_errors
         ]
         if not estimates:
-            yield f"{name}: what the mesh does to its pressures could not be estimated."
+            yield f"{name}: the mesh error of its pressures could not be estimated."
             continue
         field, where = max(((error.field, case.name) for error, case in estimates))
         yield (
-            f"{name}: estimated from this mesh alone, its pressures are off by "
+            f"{name}: estimated from this mesh alone, pressures are off by "
             f"{percent(field)} of the peak in the root mean square ({where}), single points by up "
             f"to {percent(max(error.largest for error, _ in estimates))}."
         )
         if record.quadrature == "nodal":
-            yield "Under nodal quadrature the truth was up to three times the estimate."
+            yield "With nodal quadrature true errors were up to three times the estimate."
     yield (
-        "This is an estimate, no bound, and none of the peak: refine the interface and compare. "
+        "This is an estimate, not a bound, and not of the peak: refine the interface and compare. "
         "A peak at a sharp edge grows with every refinement."
     )
 
 
 def _step(name: str, case: CaseResult, units: Units) -> str:
-    """Return what is known of the time step of a load case; nothing of a static one."""
+    """Return a statement about the time step of a load case; empty for static ones."""
     if case.times is None or len(case.times) < 2:
         return ""
     step = quantity(float(case.times[1] - case.times[0]), units.time)
@@ -68,25 +68,25 @@ def _step(name: str, case: CaseResult, units: Units) -> str:
         return choice_sentence(name, choice)
     check = step_check(case)
     if check is None:
-        return f"{name}: a step of {step}; it was not checked, so convergence in time is open."
+        return f"{name}: a step of {step}; it was not checked, so convergence in time is unknown."
     return (
         f"{name}: a step of {step}; with half of it pressures change by up to "
         f"{percent(check.largest)} of the peak, {percent(check.change.rms_relative_error)} in the "
         f"root mean square, boundary displacements by "
-        f"{percent(check.change.displacement_error)} of the largest. Reduced models take the same "
+        f"{percent(check.change.displacement_error)} of the largest. Reduced models use the same "
         "step, so that their errors do not show this."
     )
 
 
 def _law(results: Results, units: Units) -> Iterator[str]:
-    """Say what each interface gives way by: its penalty's penetration, or round-off."""
+    """Yield a statement about the contact law and penetration of each interface."""
     for name, record in results.interfaces.items():
         points = slice(*record.slice)
         gaps = [case.reference.gap[..., points] for case in results.cases.values()]
         depth = max((float(-gap.min(initial=0.0)) for gap in gaps), default=0.0)
         edge = float(np.sqrt(record.weights.sum() / len(record.pairs)))
         if record.penalty == np.inf:
-            yield f"{name}: hard contact, nothing penetrates."
+            yield f"{name}: hard contact without penetration."
             continue
         if record.penalty is None:
             yield (

@@ -1,5 +1,5 @@
-"""From a study file to results, in rooms that import only from those before them.
+"""From a study file to results, in packages that import only from those before them.
 
-``keys`` (the file and what it must be), ``inputs`` (model and loads), ``results`` (what a run
-leaves), ``judgement`` (what that is worth), ``stages`` (the steps of a run).
+``keys`` (the file and its rules), ``inputs`` (model and loads), ``results`` (values and files of
+a run), ``judgement`` (errors, warnings and verdicts), ``stages`` (the steps of a run).
 """

@@ -180,8 +180,8 @@ def _announcing_more(file):
     ("change", "said"),
     [
         (_linked, "damaged, or another program wrote it .'/elsewhere' is a link to another place"),
-        (_without_a_motion, r"damaged, or another program wrote it .*'v'.*start anew without"),
-        (_announcing_more, "is of another model; start anew without resume"),
+        (_without_a_motion, r"damaged, or another program wrote it .*'v'.*start again without"),
+        (_announcing_more, "belongs to another model; start again without resume"),
     ],
 )
 def test_files_of_others_are_looked_through_before_they_are_gone_on_with(
@@ -197,7 +197,7 @@ def test_files_of_others_are_looked_through_before_they_are_gone_on_with(
 def test_what_is_no_history_is_not_gone_on_with(rom, load, tmp_path):
     path = tmp_path / "notes.txt"
     path.write_text("nothing of ours")
-    with pytest.raises(FormatError, match=r"not an HDF5 file.*a history that fy\.stream_transient"):
+    with pytest.raises(FormatError, match=r"not an HDF5 file.*a history of fy\.stream_transient"):
         fy.stream_transient(rom, load, path, step=STEP, duration=STEP, resume=True)
     assert path.read_text() == "nothing of ours"
 

@@ -217,7 +217,7 @@ def test_gap_rules_are_written_or_refused(tmp_path):
         expected = 0.1 if rule is None else rule.value
         np.testing.assert_allclose(interface.initial_gap, expected, atol=1e-12)
     closed = replace(joint, gap_rules={"joint": GapRule(closed_up_to=1.0)})
-    with pytest.raises(FormatError, match=r"starts with gaps .* closed .* not written"):
+    with pytest.raises(FormatError, match=r"closes gaps .* .* not written"):
         write_deck(closed, tmp_path / "b.inp")
 
 

@@ -85,13 +85,13 @@ def test_groups(read):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("COOR_3D", "COOR_2D", r"sections of coordinates: COOR_2D; expected one COOR_3D"),
+        ("COOR_3D", "COOR_2D", r"coordinate sections: COOR_2D; expected one COOR_3D"),
         (" C3 0. 1. 2.", " C3 0. 1.", r":4: COOR_3D: 47 words; expected 4 each"),
-        ("20E-1", "2O.", r":4: COOR_3D: a coordinate is no number .*2O"),
+        ("20E-1", "2O.", r":4: COOR_3D: a coordinate is not a number .*2O"),
         ("C1 1. 0. 2.", "C0 1. 0. 2.", r":4: COOR_3D: node 'C0' occurs twice"),
         ("B3\n UP", "B4\n UP", r":10: HEXA8: there is no node 'B4'"),
         ("\n UP\nFINSF", "\n DOWN\nFINSF", r":18: GROUP_MA: there is no cell 'DOWN'"),
-        ("FIN\nnothing", "nothing", "does not end with FIN, so it was cut off"),
+        ("FIN\nnothing", "nothing", "does not end with FIN, so it is incomplete"),
         ("QUAD4", "HEXA27", r":15: HEXA27: 5 words; expected 28 each"),
         ("B3\n UP", f"{'B' * 300}\n UP", r":10: HEXA8: a word of 300 characters; .* at most 80"),
     ],

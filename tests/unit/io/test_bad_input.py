@@ -419,7 +419,7 @@ def test_matrix_study(refused, matrices, command, old, new, parts):
 
 def test_no_npz_file(refused, matrices):
     (matrices / "K.npz").write_text("hello")
-    assert_says(refused(MATRIX_STUDY), "matrix K", "K.npz", "no .npz file", "write it again")
+    assert_says(refused(MATRIX_STUDY), "matrix K", "K.npz", "not an .npz file", "write it again")
 
 
 def test_unknown_node_in_a_face(refused, matrices):

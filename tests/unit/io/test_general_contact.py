@@ -61,7 +61,7 @@ def test_bodies_that_share_no_area_have_no_interface(tmp_path, monkeypatch):
     monkeypatch.setattr(general_contact, "facing_bodies", with_a_sliver)
     described = read(tmp_path, *EVERYTHING, *ASSIGNED)
     assert areas(described) == areas(read(tmp_path, *PAIRS))
-    (note,) = [n for n in described.assembly.ignored if "near each other" in n]
+    (note,) = [n for n in described.assembly.ignored if "close to each other" in n]
     assert "is empty" in note
 
 
@@ -91,7 +91,7 @@ REFUSED = [
     (LISTED, "gives this pair no"),
     ((*LISTED, *ASSIGNED, "Seat, , IntProp-1"), "found 'Seat, , IntProp-1', expected two"),
     ((*LISTED, *ASSIGNED, "Seat, Nut, IntProp-1"), "surfaces Nut and Seat have a property, but"),
-    ((*EVERYTHING, ASSIGNED[0], "Seat, Head, IntProp-1"), "one .* of everything; define"),
+    ((*EVERYTHING, ASSIGNED[0], "Seat, Head, IntProp-1"), "one .* for all pairs; define"),
     ((*EVERYTHING, *ASSIGNED, *ASSIGNED), "found ', , IntProp-1', expected two"),
     ((*EVERYTHING, ASSIGNED[0], " , , Other"), "found ', , Other', expected two"),
     ((*EVERYTHING, "*Contact Exclusions", "Seat, Head", *ASSIGNED), "CONTACT EXCLUSIONS"),

@@ -47,7 +47,7 @@ def test_meshes_of_other_conventions_are_read(tmp_path):
     meshio.Mesh(points, [("hexahedron", np.arange(8)[None])]).write(path)
     assembly = read_mesh_file(path, materials={"default": STEEL})
     assert mass_properties(assembly).mass == pytest.approx(12.0)
-    assert assembly.ignored == ("node order of 1 solids inside out",)
+    assert assembly.ignored == ("node order of 1 inverted solids",)
 
 
 def test_decks_with_solids_inside_out_are_read(tmp_path):

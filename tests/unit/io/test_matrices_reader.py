@@ -154,7 +154,7 @@ def changed(matrix: np.ndarray, row: int, column: int, value: float) -> np.ndarr
         ({"M": 0 * M}, "rᵀMr = 0"),
         ({"dofs": changed(DOFS, 2, 0, 99)}, "row 3 names node 99"),
         ({"dofs": changed(DOFS, 2, 1, 7)}, "row 3 has component 7"),
-        ({"dofs": changed(DOFS, 2, 1, 1)}, "node 10 component 1 stands in rows 1 and 3"),
+        ({"dofs": changed(DOFS, 2, 1, 1)}, "node 10 component 1 occurs in rows 1 and 3"),
         ({"dofs": DOFS[:, :1]}, r"dof table: shape \(12, 1\)"),
         ({"node_ids": [10, 20, 20, 40]}, "node 20 occurs twice"),
         ({"node_ids": [10, 20, 30]}, "3 node ids but coordinates"),
@@ -181,7 +181,7 @@ def hdf5(path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "make", "message"),
     [
-        ("K.npz", None, "matrix K: file .* is not there"),
+        ("K.npz", None, "matrix K: file .* does not exist"),
         ("K.bin", lambda path: path.write_bytes(b""), r"ends in '\.bin'; readable are \.npz"),
         ("K.npz", lambda path: path.write_bytes(b"garbage"), "cannot be read"),
         ("K.mtx", lambda path: path.write_text("%%MatrixMarket x\n"), "cannot be read"),
@@ -217,7 +217,7 @@ def test_bad_tables(tmp_path: Path, table: str, text: str, message: str) -> None
     good = matrix_file(tmp_path / "M.npz", M)
     with pytest.raises(FormatError, match=message):
         read_matrices(M=good, K=good, **files)
-    with pytest.raises(FormatError, match="is not there"):
+    with pytest.raises(FormatError, match="does not exist"):
         read_matrices(M=good, K=good, **{**files, table: tmp_path / "none.csv"})
 
 

@@ -184,7 +184,7 @@ def _top_faces(mesh):
 @pytest.mark.parametrize(
     ("name", "content", "fragments"),
     [
-        ("none.msh", None, ["'", "is not there"]),
+        ("none.msh", None, ["'", "does not exist"]),
         ("deck.bdf", "GRID,1", ["would drop", 'source = "nastran"']),
         ("deck.inp", "*NODE", ["would drop", 'source = "abaqus"']),
         ("bad.msh", "$MeshFormat\nno\n", ["cannot be read", "write it again"]),

@@ -106,9 +106,9 @@ def test_include_is_relative_to_the_including_file(tmp_path: Path) -> None:
     deck(tmp_path / "Parts" / "more.dat", "PSOLID,3,x\n")
     refuses(r"more\.dat:1: PSOLID: field 3 \(MID\) holds 'X'", read_deck, tmp_path / "a.bdf")
     deck(tmp_path / "Parts" / "more.dat", "INCLUDE 'Mesh.dat'\n")
-    refuses("circle", read_deck, tmp_path / "a.bdf")
+    refuses("circular", read_deck, tmp_path / "a.bdf")
     (tmp_path / "Parts" / "more.dat").unlink()
-    refuses(r"Mesh\.dat:6: INCLUDE: .*more\.dat' is not there", read_deck, tmp_path / "a.bdf")
+    refuses(r"Mesh\.dat:6: INCLUDE: .*more\.dat' does not exist", read_deck, tmp_path / "a.bdf")
 
 
 def test_includes_beside_the_deck_where_none_is_beside_the_file(tmp_path: Path) -> None:
@@ -162,7 +162,7 @@ def test_errors_name_file_line_and_text(tmp_path: Path, line: str, message: str)
 
 
 def test_other_faults(tmp_path: Path) -> None:
-    refuses(r"missing\.bdf' is not there", read_deck, tmp_path / "missing.bdf")
+    refuses(r"missing\.bdf' does not exist", read_deck, tmp_path / "missing.bdf")
     refuses("no GRID", read_deck, deck(tmp_path / "a.bdf", "$ nothing\n"))
     with pytest.raises(FormatError, match=r"a\.bdf:1: a continuation line without a card"):
         read_deck(deck(tmp_path / "a.bdf", "+       1\n"))

@@ -438,7 +438,7 @@ def test_a_study_does_not_change_the_material_of_solids_alone(read: Read, tmp_pa
     path.write_text(f"{study}[material.8]\nE = 1.0\n")
     load_model(read_study(path))  # of the rod alone
     path.write_text(f"{study}[material.9]\nE = 1.0\n")
-    with pytest.raises(StudyError, match="shells are made of material '9' too"):
+    with pytest.raises(StudyError, match="shells use material '9' too"):
         load_model(read_study(path))
 
 

@@ -65,10 +65,10 @@ def test_matrices_and_labels(origin, tmp_path: Path, kind: str) -> None:
     ("text", "message"),
     [
         ("$ nothing\n", "has 0 EXTRN cards"),
-        ("EXTRN          3  123456       3       1\n", "named twice"),
-        ("EXTRN          3     178\n", "'3 178' is no grid"),
-        ("EXTRN          3     1X3\n", "'3 1X3' is no grid"),
-        ("EXTRN          3      11\n", "'3 11' is no grid"),
+        ("EXTRN          3  123456       3       1\n", "occurs twice"),
+        ("EXTRN          3     178\n", "'3 178' is not a grid"),
+        ("EXTRN          3     1X3\n", "'3 1X3' is not a grid"),
+        ("EXTRN          3      11\n", "'3 11' is not a grid"),
     ],
 )
 def test_damaged_labels(tmp_path: Path, text: str, message: str) -> None:

@@ -114,7 +114,7 @@ def test_devices_and_pipes_are_not_read(deck, tmp_path):
 def test_includes_of_themselves_and_of_nothing(deck, tmp_path):
     for name in ("deck.bdf", "deck.inp"):
         (tmp_path / name).write_text("")
-    assert "not there" in deck("other")
+    assert "not exist" in deck("other")
     assert "cannot be read" in deck("x" * 5000)
     (tmp_path / "link").symlink_to("link")
     assert "cannot be read" in deck("link")

@@ -318,7 +318,7 @@ def set_to(name, value):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda f: f.attrs.__setitem__("format", "another"), "not one of faying's reduced model"),
+        (lambda f: f.attrs.__setitem__("format", "another"), "but holds no faying reduced model"),
         (lambda f: f.attrs.__setitem__("format_version", 99), r"format 99, this faying reads 1"),
         (lambda f: f.__delitem__("reduced/mass"), "/reduced/mass is missing"),
         (lambda f: f.__delitem__("ports"), "/ports is missing"),

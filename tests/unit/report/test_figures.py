@@ -367,7 +367,7 @@ def test_captions_say_that_two_faces_lie_over_each_other():
     lower = record.pair_points - 0.5 * (np.arange(len(record.pairs))[:, None] % 2) * [0, 0, 1]
     pressure = record.preload_pressure
     said = summary("joint", replace(record, normals=turned, pair_points=lower), pressure, MM)
-    assert said.startswith("joint, faces that look opposite ways, drawn one over the other")
+    assert said.startswith("joint, opposite faces, drawn over each other")
     assert summary("joint", record, pressure, MM).startswith("joint: max")
 
 

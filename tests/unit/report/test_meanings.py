@@ -73,5 +73,5 @@ def test_a_field_nobody_describes_is_refused():
         depth: float
         hidden: float
 
-    with pytest.raises(TypeError, match="Silent does not say what depth, hidden mean"):
+    with pytest.raises(TypeError, match="Silent does not describe depth, hidden"):
         meanings(Silent)

@@ -161,7 +161,7 @@ def test_displacements_of_all_instants_come_back_from_their_shapes():
     assert np.abs(found - wanted[:, place]).max() < 2e-5 * np.abs(wanted).max()
     assert field["at"] == list(range(11))
     assert field["largest"] == pytest.approx(np.linalg.norm(wanted, axis=-1).max(), rel=1e-12)
-    assert "displaced as the reference is, by up to 2 shapes" in scene(RESULTS).notes[0]
+    assert "displaced as the reference, by up to 2 shapes" in scene(RESULTS).notes[0]
 
 
 def test_slip_of_transients_is_shown_at_every_instant():
@@ -213,7 +213,7 @@ def test_what_has_no_room_is_counted_and_references_come_first():
         sum(len(m["fields"]) for case in json.loads(one.text)["cases"] for m in case["models"])
         for one in (part, whole)
     )
-    assert part.notes[-1].startswith(f"{every - kept} more fields are in results.h5 alone")
+    assert part.notes[-1].startswith(f"{every - kept} more fields are only in results.h5")
 
 
 def test_names_cannot_end_the_script():

@@ -156,7 +156,7 @@ def test_the_command_recovers_with_it(given, tmp_path):
     np.testing.assert_allclose(found.pressure, expected.pressure, rtol=0, atol=allowed)
     loads = tmp_path / "loads.csv"
     loads.write_text("time,tip.Fz,frame.az\n0,1,1\n1,1,1\n")
-    with pytest.raises(StudyError, match="supports that move but no coordinates"):
+    with pytest.raises(StudyError, match="moving supports but no coordinates"):
         recover(results, loads, RecoverOptions())
 
 

@@ -56,7 +56,7 @@ def test_console_and_report_name_them(tmp_path):
     assert result.exit_code == 0
     for said in (result.output, (out / "report.html").read_text()):
         line = " ".join(said.split())
-        assert "push: time steps were chosen, " in line
+        assert " time steps were chosen in total, " in line
         assert "within the tolerance of 5.00%" in line
         assert "The half-step check is replaced by this estimate" in line
     assert "no time-step check was run" not in (out / "report.html").read_text()

@@ -83,7 +83,7 @@ def test_a_study_names_every_curve(tmp_path, name, friction):
         ),
         ("{ exponential = { pressure = 'a', clearance = 1 } }", "pressure of closure 'exponenti"),
         ("{ exponential = { pressure = 0, clearance = 1 } }", "pressure is 0; give a positive"),
-        (KEYS["power"][0] + "\npenalty = 1e5", "found 'penalty', 'closure', which each say"),
+        (KEYS["power"][0] + "\npenalty = 1e5", "found 'penalty', 'closure', which each give"),
     ],
 )
 def test_what_is_no_curve_is_refused_where_it_stands(tmp_path, closure, message):
@@ -168,7 +168,7 @@ def test_a_study_refuses_a_gasket_in_motion(tmp_path):
     (tmp_path / "study.toml").write_text(text.replace('kind = "static"', STEP), encoding="utf-8")
     given = read_study(tmp_path / "study.toml")
     model = build_loaded(load_model(given))
-    with pytest.raises(StudyError, match="'joint' has the closure 'gasket', which remembers how"):
+    with pytest.raises(StudyError, match="'joint' has the closure 'gasket', which depends on"):
         check_loads(given, model)
 
 

@@ -247,7 +247,7 @@ ONE = "{ deck_load = 8, value = 1.0 }"
         (
             '{ deck_load = "8", boundary = "tip", value = 1.0 }',
             ["[[load_case]] number 1, forces number 1 of study.toml (line 39)",
-             "found 'deck_load', 'boundary', which each say what acts"],
+             "found 'deck_load', 'boundary', which each give the load"],
         ),
         ('{ boundary = "tip", value = 1.0 }', ["missing key 'component'", "or 'deck_load'"]),
         ("{ value = 1.0 }", ["missing key 'boundary'; add it, or 'deck_load'"]),

@@ -177,17 +177,17 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
 @pytest.mark.parametrize(
     ("old", "new", "text"),
     [
-        ("from = 640.0", "from = 670.0", "not below to = 660; exchange or change them"),
+        ("from = 640.0", "from = 670.0", "not below 'to' = 660; exchange or change them"),
         ("value = 2.0", "value = 0.0", "all forces are zero; give one an amplitude"),
         ("levels = [0.1, 1.0]", "levels = [1.0, 1.0]", "a level occurs twice; keep one"),
-        ("samples = 16", "samples = 3", "expected four for each harmonic, 4, or more"),
+        ("samples = 16", "samples = 3", "expected at least four per harmonic, 4"),
         ('"tip"', '"top"', "no boundary 'top'; did you mean 'tip'"),
         ("points = 2", "points = 1", "points"),
         ("level = 1.0", "level = 2.0", "has no level 2; its levels are 0.1, 1"),
         ("level = 1.0", "amplitude = 1.0", "needs 'level'; add it"),
         ('frequency = "shaker"', 'frequency = "shakr"', "did you mean 'shaker'"),
-        ('frequency = "shaker"', "mode = 1", "give 'load_case' and 'mode' of a backbone, or"),
-        ('= "shaker"\nresp', '= "shaker"\nmode = 1\nresp', "take away one of them"),
+        ('frequency = "shaker"', "mode = 1", "give 'load_case' and 'mode', or"),
+        ('= "shaker"\nresp', '= "shaker"\nmode = 1\nresp', "remove one of them"),
         (
             "phase = 90.0 }",
             'phase = 90.0 }, { boundary = "tip", component = "Fy", value = 1.0 }',

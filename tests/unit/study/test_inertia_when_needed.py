@@ -90,7 +90,7 @@ def test_console_and_report_say_so(tmp_path):
         assert "jump: the pressure error of compliance is estimated at 3.58% of the peak" in line
         assert "more than 3%; the case was solved again by compliance+inertia" in line
         assert "s once for the shapes of the interface" in line
-        assert "[reduction] inertia = false leaves it out" in line
+        assert "[reduction] inertia = false omits this" in line
 
 
 def test_a_study_may_say_no(tmp_path):

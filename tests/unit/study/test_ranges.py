@@ -42,15 +42,15 @@ forces = [{ boundary = "tip", component = "Fz", value = -500.0 }]
         ("alpha", "1" + "0" * 400, ["'alpha'", "expected a number"]),
         ("element_size", "1e-320", ["'element_size' in [model.lap_joint]", "1e-30 to 1e+30"]),
         ("element_size", '[[1e308, "x"]]', ["'element_size'", "1e-30 to 1e+30"]),
-        ("levels", "1000000000000", ["'levels'", "at most 1000000", "no memory holds"]),
-        ("levels", "400000", ["[reduction.training]", "1.2e+06 loads, and 1000000 are the most"]),
+        ("levels", "1000000000000", ["'levels'", "at most 1000000", "in memory"]),
+        ("levels", "400000", ["[reduction.training]", "1.2e+06 loads, expected at most 1000000"]),
         ("normal_modes", "9" * 30, ["'normal_modes'", "at most 1000000"]),
         ("steps_per_period", "1" + "0" * 400, ["'steps_per_period'", "at most 1000000"]),
         ("periods", "1e9", ["[reduction.training]", "5e+10 time steps", "at most 100000000"]),
         ("duration", "1e25", ["[[load_case]] number 1", "1e+30 time steps"]),
-        ("name", '"a\\u0000b"', ["'a\\x00b'", "U+0000", "cannot be shown"]),
-        ("name", '"a\\u001b[31mb"', ["U+001B", "cannot be shown"]),
-        ("name", '"a\\u202eb"', ["U+202E", "cannot be shown"]),
+        ("name", '"a\\u0000b"', ["'a\\x00b'", "U+0000", "unprintable"]),
+        ("name", '"a\\u001b[31mb"', ["U+001B", "unprintable"]),
+        ("name", '"a\\u202eb"', ["U+202E", "unprintable"]),
         ("name", f'"{"x" * 201}"', ["found 201 characters", "at most 200"]),
     ],
 )
@@ -67,7 +67,7 @@ def test_combinations_of_loads():
     side = '{ boundary = "tip", component = "Fz", min = -500.0, max = 500.0 }'
     sides = [side.replace("Fz", name) for name in ("Fx", "Fy", "Fz", "Mx", "My", "Mz")]
     text = STUDY.replace(side, ", ".join(sides)).replace("levels = 3", "levels = 10")
-    with pytest.raises(StudyError, match=r"of 6 sides are 3e.06 loads, and 1000000 are the most"):
+    with pytest.raises(StudyError, match=r"of 6 sides are 3e.06 loads, expected at most 1000000"):
         parse_study(text, Path("s.toml"))
 
 

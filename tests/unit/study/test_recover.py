@@ -252,10 +252,10 @@ CSV = "time,q1,tip.Fz\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n"
         (CSV.replace("2,0,0", "1,0,0"), r"line 4: time 1 does not come after 1"),
         ("# by a solver\n" + CSV.replace("3,", "-3,"), r"line 6: time -3 does not come after 2"),
         ("time,q1\n", "found 0 instants"),
-        ("time\n0\n1\n", "holds times only"),
+        ("time\n0\n1\n", "holds only times"),
         ("", "is empty"),
         (CSV, "has 1 coordinates, but the basis of 'craig-bampton' has 13 .6 constraint, 6 normal"),
-        ("time,tip.Fz\n0,1\n", "two or more instants"),
+        ("time,tip.Fz\n0,1\n", "at least two instants"),
         ("time,tip.Fz\n1,1\n2,1\n", "the first at time 0"),
     ],
 )
@@ -285,10 +285,10 @@ def test_too_few_instants_to_derive(results, solution, tmp_path):
         ),
         ({"times": np.arange(4.0), "coordinates": np.zeros((3, 13))}, r"expected \(4, 13\)"),
         ({"times": np.arange(4.0), "inputs": np.zeros((4, 3))}, r"shape \(4, 3\), expected 4 rows"),
-        ({"times": np.arange(4.0), "inputs": np.zeros((4, 7))}, "bolts of this run are locked"),
+        ({"times": np.arange(4.0), "inputs": np.zeros((4, 7))}, "the initial forces of this run"),
         ({"times": np.arange(4.0), "inputs/tip.fz": np.zeros(4)}, r"did you mean 'tip.Fz'\?"),
         ({"times": np.arange(4.0), "inputs/tip.Fz": np.zeros(3)}, r"shape \(3,\)"),
-        ({"times": np.arange(4.0), "inputs": "no numbers"}, "no dataset of numbers"),
+        ({"times": np.arange(4.0), "inputs": "no numbers"}, "not a dataset of numbers"),
     ],
 )
 def test_mistakes_in_an_hdf5_file_are_named(results, tmp_path, content, message):
@@ -301,7 +301,10 @@ def test_mistakes_in_an_hdf5_file_are_named(results, tmp_path, content, message)
 
 def test_files_that_are_no_history(results, tmp_path):
     refused(results, tmp_path / "nowhere.csv", "does not exist")
-    for name, message in (("motion.txt", "cannot read a history from '.txt'"), ("m.h5", "not an")):
+    for name, message in (
+        ("motion.txt", "a history cannot be read from '.txt'"),
+        ("m.h5", "not an"),
+    ):
         (tmp_path / name).write_text("hello")
         refused(results, tmp_path / name, message)
 
@@ -309,9 +312,9 @@ def test_files_that_are_no_history(results, tmp_path):
 def test_methods_that_were_not_run(results, solution, tmp_path):
     modal = write_csv(tmp_path / "motion.csv", modal_columns(solution))
     refused(results, modal, r"'jim-b'; did you mean 'jim-a'\?", method="jim-b")
-    refused(results, modal, "run with 2, 4 joint modes; say with --joint-modes", method="jim-a")
+    refused(results, modal, "run with 2, 4 joint modes; give --joint-modes", method="jim-a")
     refused(results, modal, "not 3: change --joint", method="jim-a", joint_modes=3)
-    refused(results, modal, "not simulated; remove --step", step=1e-5)
+    refused(results, modal, "so there is no --step; remove it", step=1e-5)
     loads = write_csv(tmp_path / "loads.csv", {"time": [0.0, 1e-4], "tip.Fz": [0.0, 1.0]})
     refused(results, loads, "remove --derivatives", derivatives="spline")
 

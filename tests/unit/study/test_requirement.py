@@ -189,7 +189,7 @@ FRICTION = "preload_scatter = { thread_friction = [0.1, 0.2], head_friction = [0
 @pytest.mark.parametrize(
     ("scatter", "message"),
     [
-        (FRICTION, r"(?s)takes the size and grade of bolt 'bolt'; add size = "),
+        (FRICTION, r"(?s)needs the size and grade of bolt 'bolt'; add size = "),
         (
             FRICTION.replace(", head_friction = [0.1, 0.2]", ""),
             "takes both thread_friction and head_friction",

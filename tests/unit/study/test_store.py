@@ -177,7 +177,7 @@ def with_a_flipped_bit(path):
     [
         (Path.unlink, "does not exist"),
         (lambda path: path.write_text("hello"), "is not an HDF5 file"),
-        (of_another_program, "not one of faying's"),
+        (of_another_program, "but holds no faying"),
         (of_another_version, r"format 99.*reads 4; run the study again"),
         (without_an_entry, "/cases/LC1/reference/gap is missing"),
         (lambda path: path.write_bytes(path.read_bytes()[:-5000]), r"cut off|damaged"),

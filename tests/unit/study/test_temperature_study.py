@@ -71,9 +71,9 @@ def test_a_study_takes_a_temperature_as_python_does(study):
         ),
         (", bolt = 70.0", ", nut = 70.0", "temperature 'hot'.*no body or element set 'nut'"),
         ("alpha = 12e-6", "rho = 7.8e-9", "'steel' has no coefficient of expansion"),
-        ('{ temperature = "hot", value = 0.5 },', "", "no load takes it"),
+        ('{ temperature = "hot", value = 0.5 },', "", "no load uses it"),
         ("parts = { upper = 120.0, bolt = 70.0 }", "", "nothing has a temperature"),
-        ('{ temperature = "hot"', '{ boundary = "tip", temperature = "hot"', "each say what acts"),
+        ('{ temperature = "hot"', '{ boundary = "tip", temperature = "hot"', "each give the load"),
     ],
 )
 def test_what_does_not_fit_is_said(study, old, new, message):

@@ -168,7 +168,7 @@ def test_a_band_holds_its_samples_and_goes_on_where_it_stopped(study, tmp_path, 
         ("interface.joint.friction", "interface.joint.crown.2.height", "has no table"),
         ("interface.joint.friction", "damping.alpha", "belongs to parameter 'friction' already"),
         ("[0.1, 0.5]", "[0.5, 0.1]", "the smaller number first"),
-        ("[0.1, 0.5]", "[0.0, 0.5]", "begin above 0"),
+        ("[0.1, 0.5]", "[0.0, 0.5]", "start above 0"),
         ('"linear damping"', '"friction"', "two parameters are called"),
     ],
 )

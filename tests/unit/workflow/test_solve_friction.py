@@ -123,7 +123,7 @@ def test_increments_of_a_case_are_refused(reduced, tmp_path):
     rom = fy.read_reduced_model(file)
     finer = tmp_path / "finer.toml"
     finer.write_text(loads.read_text().replace('"static"', '"static"\nincrements = 20'))
-    with pytest.raises(StudyError, match="'bend' says its increments"):
+    with pytest.raises(StudyError, match="'bend' has 'increments'"):
         read_loads(finer, rom)
 
 

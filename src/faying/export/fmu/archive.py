@@ -26,13 +26,13 @@ from faying.study.results.values import Results
 
 SOURCES = Path(__file__).parent / "sources"
 EPOCH = (1980, 1, 1, 0, 0, 0)
-"""Date of all members: equal joints give equal archives."""
+"""Date of all members, so that equal joints give equal archives."""
 
 
 def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Path, ...]:
-    """Write an FMI 2.0 FMU, and beside it one of FMI 3.0, with the contact of the joint inside.
+    """Write an FMU for FMI 2.0 and one for FMI 3.0, which contain the contact of the joint.
 
-    The other one is called ``NAME_fmi3.fmu``. The first transient of the run says the time step.
+    The second is called ``NAME_fmi3.fmu``. The first transient of the run gives the time step.
 
     Raises
     ------
@@ -43,7 +43,7 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
 
     Notes
     -----
-    Sources always; a binary for this system if it has a C compiler, which takes some seconds.
+    It contains sources, and a binary if this system has a C compiler, which takes some seconds.
     """
     step_size = _step_size(rom, run)
     joint, token = joint_file(rom, step_size)
@@ -69,7 +69,7 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
 
 
 def _members(description: Description, version: int) -> dict[str, bytes]:
-    """Return description, sources and library, but for the interface of the other version."""
+    """Return description, sources and library of an FMI version, by path in the archive."""
     files = sorted(path for path in SOURCES.glob("*.c") if path.name != f"fmi{5 - version}.c")
     sources = {f"sources/{path.name}": path.read_bytes() for path in files}
     if version == 2:
@@ -86,7 +86,7 @@ def _members(description: Description, version: int) -> dict[str, bytes]:
 def _binary(
     description: Description, sources: Mapping[str, bytes], version: int
 ) -> dict[str, bytes]:
-    """Return the shared library, nothing where it could not be compiled."""
+    """Return the shared library by path; empty where it could not be compiled."""
     name = f"{description.identifier}{suffix()}"
     with tempfile.TemporaryDirectory() as folder:
         for source, text in sources.items():
@@ -107,13 +107,13 @@ def _pack(path: Path, members: Mapping[str, bytes]) -> None:
 
 
 def _identifier(stem: str) -> str:
-    """Return a C identifier."""
+    """Return a file stem as a C identifier."""
     plain = re.sub(r"[^A-Za-z0-9_]", "_", stem)
     return plain if re.match(r"[A-Za-z]", plain) else f"joint_{plain}"
 
 
 def _step_size(rom: ReducedModel, run: Results | None) -> float:
-    """Return the time step of the run's first transient, or a part of the lowest period [s]."""
+    """Return the time step [s] of the run's first transient, or a part of the longest period."""
     cases = () if run is None else run.cases.values()
     for case in cases:
         if case.times is not None and len(case.times) > 1:

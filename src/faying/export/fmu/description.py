@@ -1,4 +1,4 @@
-"""What FMI 2.0 and FMI 3.0 model descriptions have in common, and each as XML."""
+"""Model descriptions of FMI 2.0 and FMI 3.0 as XML."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from faying.export.fmu.variable import Kind, Unit, Variable
 TYPES_2 = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 TYPES_3 = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
 DEFAULT_STEPS = 1000
-"""Steps that masters simulate unless told otherwise."""
+"""Default number of steps of a simulation."""
 
-LOG_CATEGORY = ("logStatusError", "what went wrong; always logged")
+LOG_CATEGORY = ("logStatusError", "errors; always logged")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Description:
-    """What a model description says.
+    """The contents of a model description.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Description:
     token
         GUID of FMI 2.0, instantiation token of FMI 3.0.
     units
-        Quantity to unit.
+        Units by quantity.
     step_size : [s]
         Suggested communication step.
     """
@@ -108,7 +108,7 @@ def build_description(description: Description) -> bytes:
 def _document(
     description: Description, version: dict[str, str], *abilities: str
 ) -> tuple[ET.Element, ET.Element]:
-    """Return a description as far as its variables, and what it says of co-simulation."""
+    """Return the root of a description without variables, and its co-simulation element."""
     common = {
         "modelName": description.title,
         "description": description.text,
@@ -140,7 +140,7 @@ def _meaning(variable: Variable) -> dict[str, str]:
         "variability": variable.variability,
         "description": variable.description,
     }
-    # Inputs start exactly at their value, which FMI forbids to say.
+    # FMI forbids 'initial' for inputs.
     if variable.causality != "input":
         meaning["initial"] = "exact" if variable.start is not None else "calculated"
     return meaning

@@ -1,4 +1,4 @@
-"""Shared libraries from the sources of an FMU, by the C compiler of the system if there is one."""
+"""Shared libraries of an FMU, compiled by the C compiler of the system."""
 
 import ctypes
 import logging
@@ -18,7 +18,7 @@ MACHINES = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64"
 
 
 def compiler() -> str | None:
-    """Return the path of a C compiler; None if there is none."""
+    """Return the path of a C compiler; None without one."""
     return next((path for path in map(shutil.which, COMPILERS) if path), None)
 
 
@@ -28,7 +28,7 @@ def suffix() -> str:
 
 
 def platform_folder(version: int) -> str:
-    """Return the folder of binaries for this system, as FMI 2.0 or 3.0 names it."""
+    """Return the name of the folder for this system's binaries in FMI 2.0 or 3.0."""
     if version == 2:
         name = SYSTEMS.get(sys.platform, SYSTEMS["linux"])[0]
         return f"{name}{8 * ctypes.sizeof(ctypes.c_void_p)}"
@@ -37,14 +37,14 @@ def platform_folder(version: int) -> str:
 
 
 def compile_library(source: Path, library: Path) -> bool:
-    """Compile one source file to a shared library; return whether that was possible.
+    """Compile a source file to a shared library; return whether that was possible.
 
-    Without a compiler, or when it fails, the FMU has sources only; a warning says so.
+    If there is no compiler, or it fails, a warning states that the FMU has only sources.
     """
     command = compiler()
     if command is None:
         _log.warning(
-            "there is no C compiler (%s), so the FMU has sources but no binary; compile it where "
+            "no C compiler found (%s), so the FMU has sources but no binary; compile it where "
             "it is used, see resources/README.txt in it",
             ", ".join(COMPILERS),
         )

@@ -1,4 +1,4 @@
-"""What lies in the resources of an FMU: the matrices of the joint, and those of recovery."""
+"""The resources of an FMU: matrices of the joint, and matrices of pressure recovery."""
 
 import hashlib
 import io
@@ -20,14 +20,14 @@ from faying.reduction.reduced_model import ReducedModel
 MAGIC = int.from_bytes(b"FYJOINT1", "little")
 TOKEN_LENGTH = 64
 N_HEADER = 16
-"""Bytes of the token and words of the header, as ``sources/joint.c`` reads them."""
+"""Bytes of the token, and words of the header, as in ``sources/joint.c``."""
 
 _STARTS = (Kind.RHO, Kind.INTEGRATOR, Kind.START_LOADED)
-"""Parameters whose start values stand behind the step size."""
+"""Parameters whose start values follow the step size."""
 
 
 def joint_file(rom: ReducedModel, step_size: float) -> tuple[bytes, str]:
-    """Return ``joint.bin`` and the instantiation token that it holds.
+    """Return the contents of ``joint.bin``, and its instantiation token.
 
     Notes
     -----
@@ -38,8 +38,8 @@ def joint_file(rom: ReducedModel, step_size: float) -> tuple[bytes, str]:
     contact, residual = rom.contact, rom.contact.residual_compliance
     if rom.rigid_motions.shape[1]:
         refuse_study(
-            "nothing holds the joint, and an FMU begins with a state of rest that its supports "
-            "bear; support it"
+            "the joint has no supports, and an FMU starts in static equilibrium, which needs "
+            "them; add supports"
         )
     rows = sp.csr_array(contact.interpolation)
     shear = sp.csr_array(sparse_variables(rom)["T"])
@@ -99,7 +99,7 @@ def _tangential_penalty(law: Law) -> float:
 
 
 def recovery_file(rom: ReducedModel) -> bytes:
-    """Return ``recovery.npz``: what gives pressures of the full model from a history of q."""
+    """Return ``recovery.npz``, for pressures of the full model from a history of q."""
     contact, ports = rom.contact, rom.joint.port_compliance
     rows, shear = sp.csr_array(contact.interpolation), sp.csr_array(sparse_variables(rom)["T"])
     time = seconds(rom.units)
@@ -134,7 +134,7 @@ def _token(content: bytes) -> str:
 
 
 def _checksum(payload: bytes) -> int:
-    """Sum of words times odd numbers modulo 2⁶⁴, which no change of a single word survives."""
+    """Return the sum of words times odd numbers modulo 2⁶⁴, which detects any changed word."""
     words = np.frombuffer(payload, dtype="<u8").astype(np.uint64)
     factors = 2 * np.arange(len(words), dtype=np.uint64) + 1
     return int(np.sum(words * factors, dtype=np.uint64))

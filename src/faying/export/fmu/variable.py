@@ -1,6 +1,6 @@
-"""One variable of an FMU, and the kinds that there are.
+"""A variable of an FMU, and the kinds of variables.
 
-References are 2²⁰ times a kind plus an index, as ``sources/variables.c`` reads them.
+References are 2²⁰ times a kind plus an index, as in ``sources/variables.c``.
 """
 
 from dataclasses import dataclass, replace
@@ -24,19 +24,19 @@ DIMENSIONS = {
     STIFFNESS: ((1, -2, -2, 0), "{pressure}/{length}"),
     TIME: ((0, 0, 1, 0), "s"),
 }
-"""Quantities to exponents of kg, m, s and rad, and to their unit in those of a unit set."""
+"""Exponents of kg, m, s and rad, and the unit in terms of a unit set, by quantity."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Unit:
-    """A unit by name.
+    """A unit of an FMU.
 
     Attributes
     ----------
     exponents
-        Of kg, m, s, rad.
+        Exponents of kg, m, s, rad.
     factor
-        SI units in one of it; None where the unit set is not a known one.
+        Value of the unit in SI units; None where the unit set is unknown.
     """
 
     name: str
@@ -45,12 +45,12 @@ class Unit:
 
 
 def seconds(label: str) -> float:
-    """Return the seconds in one unit of time of a unit set; 1 where the set is not known."""
+    """Return the unit of time of a unit set in seconds; 1 where it is unknown."""
     return TIMES.get(units_of(label).time, 1.0)
 
 
 def fmu_units(label: str) -> dict[str, Unit]:
-    """Return the unit of every quantity that an FMU has variables of."""
+    """Return the units of all quantities of an FMU."""
     units = units_of(label)
     names = {"force": units.force, "length": units.length, "pressure": units.pressure}
     return {
@@ -75,13 +75,13 @@ def _factor(units: Units, quantity: str, exponents: tuple[int, int, int, int]) -
 
 
 INDEX_BITS = 20
-"""Of a value reference that number a variable of its kind, as in ``sources/variables.c``."""
+"""Bits of a value reference for the index within a kind, as in ``sources/variables.c``."""
 WHOLE_ARRAY = 2**INDEX_BITS - 1
-"""Index that means all of an array."""
+"""Index of a whole array."""
 
 
 class Kind(IntEnum):
-    """As in ``sources/variables.c``."""
+    """Kinds of variables, as in ``sources/variables.c``."""
 
     TIME = 0
     STEP_SIZE = 1
@@ -113,7 +113,7 @@ class Kind(IntEnum):
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of a model description, or what all of a kind have in common.
+    """A variable of a model description, or the template of a kind.
 
     Attributes
     ----------
@@ -122,11 +122,11 @@ class Variable:
     causality
         ``"parameter"``, ``"input"``, ``"output"`` or ``"local"``.
     quantity
-        Of :mod:`faying.export.fmu.variable`; empty for a number.
+        Quantity of :mod:`faying.export.fmu.variable`; empty for a number.
     start
-        None where the FMU computes it.
+        Start value; None where the FMU computes it.
     size
-        Elements of an array; None for a scalar.
+        Number of elements of an array; None for a scalar.
     limits
         Least and largest value of a parameter.
     """
@@ -145,7 +145,7 @@ class Variable:
     def of(
         self, part: str, index: int, start: float | None = None, size: int | None = None
     ) -> "Variable":
-        """Return the variable of a part of the joint, for which braces stand in the texts."""
+        """Return the variable of a part of the joint, whose name replaces the braces in texts."""
         name, description = self.name.format(part), self.description.format(part)
         return replace(
             self, name=name, description=description, index=index, start=start, size=size
@@ -153,10 +153,10 @@ class Variable:
 
     @property
     def reference(self) -> int:
-        """Value reference."""
+        """The value reference."""
         return (int(self.kind) << INDEX_BITS) + self.index
 
     @property
     def variability(self) -> str:
-        """What FMI demands of its causality."""
+        """The variability that FMI prescribes for the causality."""
         return "fixed" if self.causality == "parameter" else "continuous"

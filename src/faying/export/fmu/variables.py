@@ -1,4 +1,4 @@
-"""The variables of an FMU: names, value references and what they mean."""
+"""The variables of an FMU: names, value references and descriptions."""
 
 from collections.abc import Iterator, Sequence
 from itertools import chain, product
@@ -30,14 +30,14 @@ VELOCITY_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
 def variables(rom: ReducedModel, step_size: float, *, arrays: bool) -> tuple[Variable, ...]:
-    """Return all variables, with the time step [s] at the start.
+    """Return all variables of an FMU with a default time step [s].
 
-    Arrays, which FMI 2.0 has not, are pressures, tractions and motion.
+    With ``arrays``, which FMI 2.0 lacks, they include pressures, tractions and motion.
 
     Raises
     ------
     ModelError
-        If two of them have the same name.
+        If two variables have the same name.
     """
     fields = _fields(rom) if arrays else ()
     all_variables = (*_ports(rom, step_size), *fields, *_motion(rom, arrays=arrays))
@@ -45,7 +45,7 @@ def variables(rom: ReducedModel, step_size: float, *, arrays: bool) -> tuple[Var
     for variable in all_variables:
         if variable.name in names:
             refuse_model(
-                f"two variables of the FMU are both called '{variable.name}'; give boundaries, "
+                f"two variables of the FMU are called '{variable.name}'; give boundaries, "
                 "bolts, loads and interfaces different names"
             )
         names.add(variable.name)
@@ -85,7 +85,7 @@ _COMMON = (
         "start_loaded",
         "parameter",
         "start in equilibrium with the boundary forces at initialization (true), or under the "
-        "bolts alone, with those forces applied at once (false)",
+        "bolts alone, with these forces applied suddenly (false)",
         type="boolean",
         start=True,
     ),
@@ -116,11 +116,10 @@ _COMMON = (
         Kind.INITIAL_FORCE,
         "{}.initial_force",
         "input",
-        "force that bolt '{}' would have at zero elongation; what tightening set, not the force it "
-        "ends with",
+        "force of bolt '{}' at zero elongation, as set by tightening; not its final force",
         FORCE,
     ),
-    Variable(Kind.FACTOR, "{}.factor", "input", "what load {} of the deck is multiplied by"),
+    Variable(Kind.FACTOR, "{}.factor", "input", "factor on load {} of the deck"),
     Variable(
         Kind.BOLT_FORCE, "{}.force", "output", "axial force of bolt '{}', tension positive", FORCE
     ),
@@ -138,7 +137,7 @@ _COMMON = (
         Kind.OPEN_FRACTION,
         "{}.open_fraction",
         "output",
-        "part of the area without pressure of interface {}",
+        "share of the area of interface {} without pressure",
     ),
     Variable(
         Kind.MAX_TRACTION,
@@ -151,19 +150,19 @@ _COMMON = (
         Kind.STICK_FRACTION,
         "{}.stick_fraction",
         "output",
-        "part of the area that sticks of interface {}",
+        "share of the area of interface {} that sticks",
     ),
     Variable(
         Kind.SLIP_FRACTION,
         "{}.slip_fraction",
         "output",
-        "part of the area that slipped in the last internal step of interface {}",
+        "share of the area of interface {} that slipped in the last internal step",
     ),
     Variable(
         Kind.DISSIPATED_ENERGY,
         "{}.dissipated_energy",
         "output",
-        "energy that friction took since initialization in interface {}",
+        "energy dissipated by friction in interface {} since initialization",
         ENERGY,
     ),
     Variable(
@@ -177,21 +176,21 @@ _COMMON = (
         Kind.TRACTION,
         "{}.traction",
         "output",
-        "length of the tangential traction at the points of interface {}",
+        "magnitude of the tangential traction at the points of interface {}",
         PRESSURE,
     ),
     Variable(Kind.Q, "modal.q{}", "local", "generalized coordinates; for pressure recovery"),
     Variable(
-        Kind.Q_VELOCITY, "modal.v{}", "local", "their velocities, per second; for pressure recovery"
+        Kind.Q_VELOCITY, "modal.v{}", "local", "velocities of q, per second; for pressure recovery"
     ),
     Variable(
         Kind.Q_ACCELERATION,
         "modal.a{}",
         "local",
-        "their accelerations, per second squared; for pressure recovery",
+        "accelerations of q, per second squared; for pressure recovery",
     ),
 )
-"""What there is besides forces and motion at boundaries."""
+"""Templates of all variables but forces and motion at boundaries."""
 
 FAMILIES = {variable.kind: variable for variable in _COMMON}
 
@@ -201,7 +200,7 @@ RUBBED = (Kind.MAX_TRACTION, Kind.STICK_FRACTION, Kind.SLIP_FRACTION, Kind.DISSI
 
 
 def _ports(rom: ReducedModel, step_size: float) -> Iterator[Variable]:
-    """Yield parameters, forces, motion of the boundaries, and what interfaces answer."""
+    """Yield parameters, forces, motion of the boundaries, and outputs of bolts and interfaces."""
     yield FAMILIES[Kind.STEP_SIZE].of("", 0, step_size)
     yield from (FAMILIES[kind] for kind in (Kind.INTEGRATOR, Kind.RHO, Kind.START_LOADED))
     numbers = {name: index for index, name in enumerate(rom.contact.slices)}
@@ -230,7 +229,7 @@ def _ports(rom: ReducedModel, step_size: float) -> Iterator[Variable]:
 
 
 def _of_law(law: Law) -> Iterator[tuple[Kind, float]]:
-    """Yield coefficients and stiffnesses, as far as they are finite and not zero."""
+    """Yield the finite, positive coefficients and stiffnesses of a contact law."""
     values = {
         Kind.FRICTION: law.friction,
         Kind.PENALTY: law.penalty,
@@ -247,7 +246,7 @@ def _at_boundaries(
     straight: tuple[str, str],
     turned: tuple[str, str],
 ) -> Iterator[Variable]:
-    """Yield forces or motion of each boundary degree of freedom, in a quantity and with a text."""
+    """Yield the variables of forces or motion of all boundary degrees of freedom."""
     places = chain.from_iterable(boundary.places for boundary in rom.boundaries.values())
     for index, (port, component) in enumerate(places):
         quantity, text = straight if component < 3 else turned

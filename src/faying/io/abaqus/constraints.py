@@ -1,4 +1,4 @@
-"""``*EQUATION``, ``*MPC`` and ``*RIGID BODY``: what ties nodes to each other."""
+"""``*EQUATION``, ``*MPC`` and ``*RIGID BODY``: constraints between nodes."""
 
 from collections.abc import Iterator, Mapping
 
@@ -15,7 +15,7 @@ Term = tuple[int, int, float]
 
 
 def read_equations(data: DeckData) -> Iterator[Equation]:
-    """Read all *EQUATION; the first term is the one that is eliminated."""
+    """Yield the equations of all *EQUATION; the first term is eliminated."""
     for keyword in data.deck.of("EQUATION"):
         rows = keyword.rows()
         row = 0
@@ -41,7 +41,7 @@ def read_equations(data: DeckData) -> Iterator[Equation]:
 def _per_node(
     keyword: Keyword, fields: list[tuple[int, list[str]]], data: DeckData
 ) -> Iterator[tuple[Term, ...]]:
-    """One equation; or several, where the terms are node sets that are taken member by member."""
+    """Yield one equation, or one per member where the terms are node sets."""
     nodes = [data.find(keyword, row, label).tolist() for row, (label, _, _) in fields]
     count = len(nodes[0])
     for (row, _), members in zip(fields, nodes, strict=True):
@@ -62,7 +62,7 @@ def _term(node: int, c: int, value: float, data: DeckData) -> list[Term]:
         return [(*data.place(node, c), value)]
     first = 3 * (c // 3)
     turned = [(node, first + k, value * float(axes[c % 3, k])) for k in range(3)]
-    # The largest comes first, for the first term of an equation is eliminated.
+    # The largest comes first, because the first term of an equation is eliminated.
     return sorted((t for t in turned if t[2] != 0.0), key=lambda term: -abs(term[2]))
 
 
@@ -73,8 +73,8 @@ _REMEDIES: Mapping[str, str] = {
     "SLIDER": "write *EQUATION",
 }
 _ON_AXIS = 1e-10
-"""Squared distance from the axis over the mean distance from the centre, below which CalculiX
-passes over a node of MEANROT."""
+"""Squared distance from the axis over the mean distance from the centre below which CalculiX
+ignores a node of MEANROT."""
 
 Terms = tuple[tuple[int, int, float], ...]
 
@@ -103,7 +103,7 @@ def read_mpcs(data: DeckData) -> tuple[list[Equation], list[RigidCoupling]]:
 
 
 def _definitions(keyword: Keyword) -> Iterator[tuple[int, str, list[str]]]:
-    """Yield data line, type and nodes; a line that begins with 0 goes on with the one before."""
+    """Yield data line, type and nodes; a line that starts with 0 continues the one before."""
     definitions: list[tuple[int, str, list[str]]] = []
     for row, fields in enumerate(keyword.rows()):
         kind = fields[0].upper()
@@ -158,7 +158,7 @@ def _check_two(keyword: Keyword, row: int, kind: str, fields: list[str]) -> None
 
 
 def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Terms:
-    """Return the equation of one MEANROT: each node three times, then the node of the rotation."""
+    """Return the equation of a MEANROT: each node three times, then the node of the rotation."""
     turning, turned = nodes[-1:], nodes[:-1]
     distinct = np.array(turned[::3], dtype=np.int64)
     if len(turned) % 3 or not turned or not np.array_equal(np.repeat(distinct, 3), turned):
@@ -190,15 +190,15 @@ _SHAPES = {
     "PLANE": (3, "four", "plane", "lie on one line"),
     "STRAIGHT": (2, "three", "line", "coincide"),
 }
-"""How many nodes say where it is, how many there must be, what it is, and what of none."""
+"""Number of defining nodes, least number of nodes, shape, and fault of nodes that define none."""
 
 
 def _staying(
     keyword: Keyword, row: int, kind: str, nodes: list[int], points: Matrix
 ) -> Iterator[Terms]:
-    """Yield the equations of nodes that stay on one plane or line.
+    """Yield the equations that keep nodes on a plane or line.
 
-    Across it each moves as those of them that lie farthest apart do, in its shares of them.
+    Normal to it, each node moves by interpolation between the nodes farthest apart.
     """
     count, least, shape, problem = _SHAPES[kind]
     nodes = list(dict.fromkeys(nodes))
@@ -219,7 +219,7 @@ def _staying(
     wrong = np.flatnonzero(off > DECK_DIGITS * np.linalg.norm(arms, axis=1))
     if wrong.size:
         keyword.refuse(
-            f"a node is {off[wrong[0]]:.3g} off the {shape} of the others; place it there, for it "
+            f"a node is {off[wrong[0]]:.3g} off the {shape} of the others; place it there: it "
             "is not moved to it",
             row,
         )
@@ -233,7 +233,7 @@ def _staying(
 
 
 def _across(edges: Matrix) -> Matrix:
-    """Return what lies across one edge, or across two, as rows."""
+    """Return directions normal to one edge, or to two, as rows."""
     if len(edges) == 2:
         return np.cross(edges[:1], edges[1:])
     axis = int(np.abs(edges[0]).argmax())
@@ -245,7 +245,7 @@ def _across(edges: Matrix) -> Matrix:
 
 
 def _farthest(nodes: list[int], points: Matrix) -> list[int]:
-    """Return the first node, the one farthest from it, and the one farthest from their line."""
+    """Return the first node, the node farthest from it, and the node farthest from their line."""
     arms = points[nodes] - points[nodes[0]]
     second = int(np.linalg.norm(arms, axis=1).argmax())
     third = int(np.linalg.norm(np.cross(arms[second], arms), axis=1).argmax())
@@ -262,16 +262,16 @@ def _of(nodes: list[int], vectors: Matrix) -> list[tuple[int, int, float]]:
 
 
 Group = tuple[Indices, tuple[int, ...]]
-"""Nodes and the components in which they follow."""
+"""Nodes, and the components that follow the reference node."""
 
 
 def rotation_nodes(data: DeckData) -> dict[int, int]:
-    """Return CalculiX's rotation nodes: their index to that of the first reference node."""
+    """Return the index of the first reference node by index of CalculiX's rotation nodes."""
     return {rotation: reference for reference, rotation in reversed(_turning(data))}
 
 
 def shared_rotations(data: DeckData) -> list[Equation]:
-    """Return the equations by which bodies with one rotation node turn together."""
+    """Return the equations that couple the rotations of bodies with a common rotation node."""
     first = rotation_nodes(data)
     return [
         Equation(id=0, terms=((reference, c, 1.0), (first[rotation], c, -1.0)))
@@ -282,7 +282,7 @@ def shared_rotations(data: DeckData) -> list[Equation]:
 
 
 def _turning(data: DeckData) -> list[tuple[int, int]]:
-    """Return the reference and the rotation node of each rigid body that has one."""
+    """Return reference and rotation node of each rigid body with a rotation node."""
     pairs = []
     for keyword in data.deck.of("RIGID BODY"):
         if keyword.has("ROT NODE"):
@@ -290,7 +290,7 @@ def _turning(data: DeckData) -> list[tuple[int, int]]:
             rotation = data.one(keyword, None, keyword.required("ROT NODE"), what)
             reference = _reference(keyword, data, _named_nodes(keyword, data))
             if rotation == reference:
-                keyword.refuse("the rotation node must be another one than the reference node")
+                keyword.refuse("the rotation node must differ from the reference node")
             pairs.append((reference, rotation))
     return pairs
 

@@ -1,9 +1,9 @@
 """``*CONTACT PAIR``: interfaces, and slave surfaces of single nodes.
 
 CalculiX (node-to-face penalty contact): the force of a node is its pressure times its share of the
-exterior faces of solids that it belongs to, or, without any, the area of the master face that it
-projects onto. Here that node and the place below it each carry a triangle of this area, which moves
-with them without turning.
+exterior faces of solids around it, or, without any, the area of the master face that it
+projects onto. Here the node and the point below it each carry a triangle of this area, which moves
+with them without rotation.
 """
 
 from collections.abc import Iterable, Mapping
@@ -34,9 +34,9 @@ from faying.model.surface import facet_area_vectors, facet_frames, rows_by_kind
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
-    """A contact pair: the slave is our minus side, which carries the points and the normals.
+    """A contact pair; the slave is the minus side, which has the contact points and normals.
 
-    ``lone`` pairs are of a single point.
+    ``lone`` pairs have a single contact point.
     """
 
     keyword: Keyword
@@ -48,7 +48,7 @@ class Pair:
     lone: bool = False
 
     def is_of(self, names: list[str]) -> bool:
-        """Whether the pair is of this slave and this master."""
+        """Return whether the pair has this slave and master."""
         return [self.slave.name.upper(), self.master.name.upper()] == [n.upper() for n in names]
 
 
@@ -90,7 +90,7 @@ def read_pairs(
 
 
 def _adjust(keyword: Keyword, sets: NamedSets) -> GapRule | None:
-    """Which slave nodes start in contact: those up to a gap, or those of a set."""
+    """Return the rule for slave nodes that start in contact: up to a gap, or of a set."""
     if not keyword.has("ADJUST"):
         return None
     text = keyword.value("ADJUST")
@@ -102,7 +102,7 @@ def _adjust(keyword: Keyword, sets: NamedSets) -> GapRule | None:
 
 
 def interface_names(pairs: list[Pair]) -> list[str]:
-    """Names of interfaces: that of the interaction, with both surfaces where it is used twice."""
+    """Return interface names: the interaction's, with both surfaces if it is used twice."""
     names = [pair.interaction.spec.name for pair in pairs]
     return [
         name if names.count(name) == 1 else f"{name} {pair.slave.name} {pair.master.name}"
@@ -111,7 +111,7 @@ def interface_names(pairs: list[Pair]) -> list[str]:
 
 
 def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
-    """Name sides that are no face set as node sets: mixed facets, and surfaces of nodes."""
+    """Return a mesh with node sets for sides without a face set: mixed facets, node surfaces."""
     for side in sides:
         if len(side.facets) == 1:
             continue
@@ -120,21 +120,21 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
         inside[side.nodes] = inside[-1] = True
         count = int(inside[exterior.nodes].all(axis=1).sum())
         if not side.facets and not count:
-            continue  # of single nodes, which are contact points of their own
+            continue  # single nodes become contact points
         namesake = mesh.node_sets.get(side.name)
         if (namesake is not None and not np.array_equal(np.unique(namesake), side.nodes)) or (
             side.facets and count != sum(map(len, side.facets.values()))
         ):
             side.keyword.refuse(
-                f"surface '{side.name}' cannot be told by its nodes; name no node set like it, "
-                "and give triangles and quadrilaterals a surface and a contact pair each"
+                f"surface '{side.name}' is not determined by its nodes; rename a node set like it, "
+                "and give triangles and quadrilaterals separate surfaces and contact pairs"
             )
         mesh = mesh.with_node_set(side.name, side.nodes)
     return mesh
 
 
 def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[InterfaceSpec, ...]:
-    """Return the pairs as interfaces; those whose meshes do not match are so marked."""
+    """Return the pairs as interfaces, marked where their meshes do not match."""
     interfaces = []
     for name, pair in zip(interface_names(pairs), pairs, strict=True):
         spec = replace(
@@ -148,21 +148,21 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
         )
         spec = declared(assembly, spec)
         if spec.meshes == "non-matching":
-            # Whatever else is wrong, the mortar interface will say when the model is built.
+            # Other faults are reported when the model is built.
             ignored.append(
                 f"meshes of contact pair {name} do not match: coupled by projection, in the mean "
                 "of facets instead of at each point; where contact is hard or far stiffer than the "
-                "elements, coarse meshes give way more: 4 to 9 % in most joints tried, 16 % in one"
+                "elements, coarse meshes are softer: by 4 to 9 % in most joints tried, 16 % in one"
             )
         if pair.slave.height or pair.master.height:
             ignored.append(
-                f"contact pair {name}: shells touch at half their thickness off their nodes "
+                f"contact pair {name}: shells are in contact at half their thickness off the nodes "
                 f"({pair.slave.height:g}, {pair.master.height:g}); tangential motion there is that "
                 "of the nodes, without the lever of the thickness"
             )
         if pair.adjusted is not None and pair.keyword.has("ADJUST"):
             ignored.append(
-                f"ADJUST of contact pair {name}: gaps start closed there, the mesh stays as it is"
+                f"ADJUST of contact pair {name}: gaps start closed there, the mesh is not changed"
             )
         interfaces.append(spec)
     return tuple(interfaces)
@@ -171,9 +171,9 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
 def gap_rules(
     deck: Deck, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
 ) -> tuple[dict[str, float], dict[str, GapRule]]:
-    """Read *CLEARANCE and ADJUST: the gaps that interfaces start with, by name.
+    """Read *CLEARANCE and ADJUST: initial gaps of interfaces by name.
 
-    Offsets, of shells, are added to the gap of the mesh; rules make something of it.
+    Offsets of shells are added to the gap of the mesh; rules replace it.
     """
     rules: dict[str, GapRule] = {}
     offsets: dict[str, float] = {}
@@ -200,9 +200,9 @@ def gap_rules(
 def _clearance(
     keyword: Keyword, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
 ) -> tuple[str, float]:
-    """Return the interface that a *CLEARANCE is of, and the gap it starts with."""
+    """Return the interface of a *CLEARANCE, and its initial gap."""
     if keyword.data:
-        keyword.refuse("it must be one VALUE; give other gaps as initial_gap in the study")
+        keyword.refuse("expected one VALUE; give other gaps as initial_gap in the study")
     value = parameter(keyword, "VALUE")
     surfaces = [keyword.required(name) for name in ("SLAVE", "MASTER")]
     for pair, spec in zip(pairs, interfaces, strict=True):
@@ -213,16 +213,16 @@ def _clearance(
 
 
 _SHARES = {"tri6": (1 / 999, 332 / 999), "quad8": (0.01, 0.24)}
-"""Of the area of a facet with mid-side nodes, as in CalculiX: corners, mid-side nodes."""
+"""Shares of a facet's area for corners and mid-side nodes, as in CalculiX."""
 
 _LARGEST_DISTANCE = 1e-3
-"""How far beside its facet a node may lie, over the size of the facet, as in CalculiX."""
+"""Largest distance of a node beside its facet, over the facet's size, as in CalculiX."""
 
 
 def with_lone_nodes(
     assembly: Assembly, pairs: list[Pair], ignored: list[str]
 ) -> tuple[Assembly, list[Pair]]:
-    """Put a contact pair for each node in place of pairs whose slave has no whole facet."""
+    """Replace pairs whose slave has no whole facet by a contact pair for each node."""
     replaced: list[Pair] = []
     for pair in pairs:
         if pair.slave.facets or _whole(assembly, pair.slave):
@@ -283,7 +283,7 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
 
 
 def _shares(assembly: Assembly) -> Vector:
-    """Areas of nodes (n_node,), zero inside and off solids."""
+    """Return the surface area of each node (n_node,), zero inside and off solids."""
     mesh = assembly.mesh
     exterior = mesh.exterior
     areas = np.linalg.norm(facet_area_vectors(mesh.nodes, exterior), axis=1)
@@ -297,7 +297,7 @@ def _shares(assembly: Assembly) -> Vector:
 
 
 def _triangle(frame: Vector, area: float) -> Vector:
-    """Corners (3, 3) of an equilateral triangle about the origin, seen from outside."""
+    """Return the corners (3, 3) of an equilateral triangle about the origin."""
     angles = 2 * np.pi / 3 * np.arange(3)
     radius = np.sqrt(area / (0.75 * np.sqrt(3)))
     corners = radius * np.column_stack([np.cos(angles), np.sin(angles)]) @ frame[:2]
@@ -305,7 +305,7 @@ def _triangle(frame: Vector, area: float) -> Vector:
 
 
 def _carried(assembly: Assembly, corners: Vector, motion: sp.csr_array) -> tuple[Assembly, Indices]:
-    """Add nodes (3,) that all move as one place does, by shape functions (1, n_node)."""
+    """Add three nodes that follow a point by shape functions (1, n_node); return their indices."""
     mesh = assembly.mesh
     added = len(mesh.nodes) + np.arange(3)
     first = max((equation.id for equation in assembly.equations), default=0) + 1

@@ -23,7 +23,7 @@ _ALL = tuple(range(6))
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Couplings:
-    """What *COUPLING ties: rigidly, on average, and by equations along axes of the nodes."""
+    """Couplings of *COUPLING: rigid, average, and equations along axes of the nodes."""
 
     rigid: list[RigidCoupling]
     average: list[AverageCoupling]
@@ -35,9 +35,9 @@ def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[
 
     Distributing couplings weight nodes by their share of the surface's area, ∫N dA. Kinematic ones
     of some translations with ORIENTATION are equations a · u = a · (u_ref + θ_ref × r) along the
-    axes a of each node. Also returned are the axes of reference nodes of *DISTRIBUTING with
-    ORIENTATION: CalculiX (User's Manual, *COUPLING) takes forces and moments on them along these;
-    in Abaqus, which gets none, they say which rotations are tied.
+    axes a of each node. Also return the axes of reference nodes of *DISTRIBUTING with
+    ORIENTATION: in CalculiX (User's Manual, *COUPLING) forces and moments on them are along these
+    axes; Abaqus uses them only to select rotations.
     """
     rigid: list[RigidCoupling] = []
     average: list[AverageCoupling] = []
@@ -73,7 +73,7 @@ def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[
                 of_references[reference] = orientation_at(deck, head, points)[0]
             deck.ignored.append(
                 "ORIENTATION of *DISTRIBUTING: forces on its node are along these axes, as in "
-                "CalculiX, but in decks that only Abaqus reads; all rotations are tied"
+                "CalculiX, except in decks that only Abaqus reads; all rotations are tied"
             )
         _check_distributing(member, data.elements, nodes)
         weights = _areas(coupled, data.nodes.coordinates)[coupled.nodes != reference]
@@ -90,7 +90,7 @@ def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[
 
 
 def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list[Equation]:
-    """Tie each node to the motion of the reference along its axes (n_node, n_axis, 3)."""
+    """Return equations that tie each node to the reference along its axes (n_node, n_axis, 3)."""
     arms = points[nodes] - points[reference]
     moments = np.cross(arms[:, None], axes)
     equations = []
@@ -104,7 +104,7 @@ def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list
 
 
 def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> None:
-    """Refuse other weights; moments that rotations of the nodes would take (STRUCTURAL) too."""
+    """Refuse other weights, and moments on rotations of the nodes (STRUCTURAL)."""
     kind = member.choice("COUPLING")
     blocks = elements.of(*SHELL_TYPES, *TYPES)
     turning = any(np.isin(nodes, block.nodes).any() for block in blocks)
@@ -123,9 +123,9 @@ def _components(member: Keyword) -> tuple[int, ...]:
 
 
 def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
-    """Return the share of the area of each node, ∫N dA, as a uniform pressure has it.
+    """Return the area of each node, ∫N dA, as for a uniform pressure.
 
-    Corners of six-node facets have none, those of eight-node facets a negative one.
+    It is zero at corners of six-node facets, and negative at corners of eight-node facets.
     """
     shares = np.zeros(len(coordinates))
     for kind, facets in coupled.facets.items():
@@ -141,8 +141,8 @@ def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
 def read_distributing(data: DeckData) -> list[Equation]:
     """Read all *DISTRIBUTING COUPLING: one DCOUP3D element, then nodes or sets and weights.
 
-    As in CalculiX the displacement of the element's node is the weighted mean, and nothing turns;
-    Abaqus turns it too, as *COUPLING with *DISTRIBUTING does in both.
+    As in CalculiX the displacement of the element's node is the weighted mean without rotation;
+    Abaqus adds rotation, like *COUPLING with *DISTRIBUTING in both.
     """
     equations: list[Equation] = []
     reference_of = {
@@ -168,13 +168,13 @@ def read_distributing(data: DeckData) -> list[Equation]:
             equations.append(Equation(id=0, terms=tuple(terms)))
         data.deck.ignored.append(
             f"rotations of *DISTRIBUTING COUPLING {keyword.value('ELSET')}: the mean displacement "
-            "as in CalculiX; Abaqus turns it too, as *COUPLING with *DISTRIBUTING does"
+            "as in CalculiX; Abaqus adds rotation, like *COUPLING with *DISTRIBUTING"
         )
     return equations
 
 
 def with_real_rotations(couplings: Sequence[RigidCoupling], rotating: Mask) -> list[RigidCoupling]:
-    """Leave out the rotations of nodes that have none (those of solids)."""
+    """Return couplings without the rotations of nodes of solids, which have none."""
     result = []
     for coupling in couplings:
         turning = rotating[coupling.nodes]

@@ -1,4 +1,4 @@
-"""A deck as a sequence of keywords, with parts replaced by their instances and steps counted."""
+"""A deck as a sequence of keywords, with parts replaced by their instances."""
 
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -31,7 +31,7 @@ _PARTS = re.compile(r"(?:^|,)((?:\"[^\"]*\"|'[^']*'|[^,])*)")
 def read_keywords(lines: Lines) -> list[Keyword]:
     """Split a deck into its keywords, in order.
 
-    A keyword line that ends in a comma continues on the next line. Data lines are not touched.
+    A keyword line that ends in a comma continues on the next line. Data lines are not parsed.
     """
     text = lines.text
     heads = [
@@ -65,7 +65,7 @@ def _keyword(lines: Lines, begin: int, end: int) -> Keyword:
 
 
 def _is_continuation(line: bytes) -> bool:
-    """Whether a line looks like parameters: a letter first, for data start with numbers or sets."""
+    """Return whether a line looks like parameters rather than data."""
     first = line.split(b",")[0]
     return b"=" in first or first.strip().upper() in _FLAGS
 
@@ -98,18 +98,18 @@ def _parameters(parts: list[str], where: str) -> Iterator[tuple[str, str]]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Deck:
-    """Keywords in their order.
+    """The keywords of a deck in order.
 
     Attributes
     ----------
     n_step
         Number of steps.
     path
-        The deck, for messages that concern all of it.
+        Path of the deck, for messages.
     ignore
-        What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
+        Words of :data:`faying.io.left_out.IGNORABLE` for content to leave out.
     ignored
-        Notes so far; readers append theirs.
+        Notes, to which readers append.
     """
 
     keywords: Sequence[Keyword]
@@ -128,20 +128,20 @@ class Deck:
 
     @property
     def offsets(self) -> dict[str, int]:
-        """Upper-case name of each instance to what its ids are raised by."""
+        """Offset of the ids of each instance, by upper-case name."""
         scopes = (keyword.scope for keyword in self.keywords)
         return {scope.name.upper(): scope.offset for scope in scopes if scope.name}
 
     @property
     def perturbations(self) -> frozenset[int]:
-        """The steps that are linear perturbations: loads of other steps do not act in them."""
+        """Linear perturbation steps, in which loads of other steps do not act."""
         return frozenset(k.step for k in self.of("STEP") if k.has("PERTURBATION"))
 
     def until(self, step: int | None) -> "Deck":
-        """Return the deck as it is in one step: model data and steps up to it.
+        """Return the deck up to a step: model data and steps.
 
-        Linear perturbation steps leave nothing behind for later ones; by default the last other
-        step is taken.
+        Linear perturbation steps do not affect later ones; by default the last other
+        step is chosen.
         """
         aside = self.perturbations
         general = [number for number in range(1, self.n_step + 1) if number not in aside]
@@ -156,7 +156,7 @@ class Deck:
         return replace(self, keywords=keywords, n_step=chosen)
 
     def groups(self, head: str, *members: str) -> Iterator[tuple[Keyword, list[Keyword]]]:
-        """Return each head with the members that follow it."""
+        """Return each head keyword with the member keywords that follow it."""
         groups: list[tuple[Keyword, list[Keyword]]] = []
         for keyword in self.keywords:
             if keyword.name == head:
@@ -176,18 +176,18 @@ _CHECKED_WHERE_READ = frozenset(
         *("FRICTION", "SURFACE BEHAVIOR"),
     )
 )
-"""Keywords whose parameters matter only where something uses them."""
+"""Keywords whose parameters are checked only where they are used."""
 
 
 def check_parameters(deck: Deck) -> None:
-    """Refuse parameters that the table has not, of all keywords that are read in any case."""
+    """Refuse unknown parameters of all keywords that are always read."""
     for keyword in deck.keywords:
         if keyword.name in PARAMETERS and keyword.name not in _CHECKED_WHERE_READ:
             keyword.check()
 
 
 def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
-    """Read a deck into keywords, whose data nobody has looked at."""
+    """Read a deck into keywords, without parsing their data."""
     keywords = instantiated(read_keywords(read_lines(path, DIALECT)))
     if not keywords:
         refuse(f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …")
@@ -198,9 +198,9 @@ def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
                 keyword.refuse("a step before this one does not end; add *END STEP")
             step, inside = step + 1, True
         elif keyword.name == "END STEP" and not inside:
-            keyword.refuse("there is no *STEP that it ends")
+            keyword.refuse("it has no *STEP before it; remove it")
         elif step and not inside:  # both programs refuse it
-            keyword.refuse("it stands between or behind steps; move it before the first *STEP")
+            keyword.refuse("it is between or after steps; move it before the first *STEP")
         numbered.append(replace(keyword, step=step if inside else 0))
         inside = inside and keyword.name != "END STEP"
     return Deck(keywords=numbered, n_step=step, path=path, ignore=ignore)
@@ -211,7 +211,7 @@ _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNOR
 
 
 def _includes(text: LineTexts, where: Callable[[int], str]) -> Iterator[tuple[int, int, str]]:
-    """Yield first line, line behind and file name of each *INCLUDE."""
+    """Yield first line, line after the last, and file name of each *INCLUDE."""
     for i in text.holding(b"*").tolist():
         if _INCLUDE.match(text[i]):
             yield i, i + 1, _file_name(text[i], where(i))
@@ -226,7 +226,7 @@ def _file_name(line: bytes, origin: str) -> str:
 
 
 DIALECT = Dialect(kind="input deck", include="*INCLUDE", statements=_includes, deck_first=True)
-"""Included files are looked for beside the deck, where both programs run, then beside the file that
+"""Included files are searched beside the deck, where both programs run, then beside the file that
 includes them."""
 
 
@@ -235,9 +235,9 @@ _PARTS_OF_DECKS = ("PART", "INSTANCE", "ASSEMBLY")
 
 
 def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
-    """Replace parts and instances by the keywords they stand for, in the scope of the instance.
+    """Return keywords with instances replaced by the keywords of their parts.
 
-    A deck without parts comes back as it is.
+    A deck without parts is unchanged.
     """
     parts: dict[str, list[Keyword]] = {}
     result: list[Keyword] = []
@@ -251,7 +251,7 @@ def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
             continue
         if keyword.name != kind:
             if not opened or opened[-1].name != kind:
-                keyword.refuse(f"there is no *{kind} that it ends")
+                keyword.refuse(f"it has no *{kind} before it; remove it")
             opened.pop()
             members, scope = result, Scope()
             continue
@@ -281,7 +281,7 @@ def _check_closed(opened: Sequence[Keyword]) -> None:
 
 
 def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
-    """Rotation and translation of an instance: first moved, then turned about an axis."""
+    """Return rotation and translation of an instance: first moved, then rotated about an axis."""
     rows = keyword.rows()
     if len(rows) > 2:
         keyword.refuse("found more than two data lines; expected a translation and a rotation", 2)
@@ -302,10 +302,10 @@ def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
 
 
 def with_distinct_ids(keywords: Sequence[Keyword], ignored: list[str]) -> list[Keyword]:
-    """Give ids of different scopes different ranges, if more than one scope has nodes.
+    """Return keywords whose ids have separate ranges, if more than one scope has nodes.
 
-    Ids may repeat between instances; those of each are then raised by a power of ten times its
-    number, which ``ignored`` says before all else.
+    Ids may repeat between instances; the ids of each are then raised by a power of ten times its
+    number, as the first entries of ``ignored`` state.
     """
     names = list(dict.fromkeys(keyword.scope.name for keyword in keywords if keyword.scope.name))
     if not names:
@@ -314,7 +314,7 @@ def with_distinct_ids(keywords: Sequence[Keyword], ignored: list[str]) -> list[K
     for keyword in keywords:
         if keyword.name in ("NODE", "ELEMENT"):
             fields = table(keyword)
-            # Continuation lines of elements start with node ids, which do no harm here.
+            # Continuation lines of elements start with node ids, which are harmless here.
             first = np.flatnonzero(np.diff(fields.row, prepend=-1))
             ids = integers(fields.texts[first], keyword, fields.row[first], "an id")
             name = keyword.scope.name

@@ -1,4 +1,4 @@
-"""Keywords of a deck with the nodes, elements and sets they refer to, and local axes."""
+"""A deck with its nodes, elements, sets and local axes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ from faying.model.axes import axes_along
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DeckData:
-    """A deck, its nodes, elements and sets; degrees of freedom as our nodes and components.
+    """A deck with its nodes, elements and sets, and its degrees of freedom in the model.
 
     Attributes
     ----------
@@ -25,10 +25,10 @@ class DeckData:
     transforms
         The *TRANSFORM keywords.
     rotations
-        Index of a rotation node of CalculiX to the index of the node whose rotations its
-        translations are.
+        Index of the node whose rotations are the translations of a rotation node of CalculiX,
+        by index of the rotation node.
     turned
-        Axes of reference nodes of *DISTRIBUTING with an ORIENTATION, as CalculiX has it.
+        Axes of reference nodes of *DISTRIBUTING with an ORIENTATION, as in CalculiX.
     """
 
     deck: Deck
@@ -42,17 +42,17 @@ class DeckData:
     turned: Mapping[int, Matrix] = field(default_factory=dict)
 
     def find(self, keyword: Keyword, row: int, label: str) -> Indices:
-        """Return the indices of the nodes a field stands for: an id, or a node set."""
+        """Return the node indices of a field: an id, or a node set."""
         ids = self.node_sets.members(keyword, label, row)
         return self.nodes.index(ids, keyword, np.full(len(ids), row))
 
     def named_nodes(self, keyword: Keyword, name: str) -> Indices:
-        """Return the indices of the nodes of the set that a parameter names."""
+        """Return the node indices of the set of a parameter."""
         ids = self.node_sets.find(keyword, keyword.required(name))
         return self.nodes.index(ids, keyword, np.full(len(ids), -1))
 
     def one(self, keyword: Keyword, row: int | None, label: str, what: str) -> int:
-        """Return the index of the single node a field stands for."""
+        """Return the node index of a field for a single node."""
         ids = self.node_sets.members(keyword, label, row)
         if len(ids) != 1:
             keyword.refuse(f"'{label}' has {len(ids)} nodes; {what} is one node", row)
@@ -62,21 +62,21 @@ class DeckData:
         return int(self.nodes.index(ids, keyword, rows)[0])
 
     def axes(self, node: int) -> Matrix | None:
-        """Return the local axes of a node as rows, None for the basic frame."""
+        """Return the local axes (3, 3) of a node as rows; None for the basic frame."""
         number = int(self.system[node])
         if number < 0:
             return self.turned.get(node)
         return _axes(self.transforms[number], self.nodes.coordinates[node])
 
     def place(self, node: int, component: int) -> tuple[int, int]:
-        """Return the node and component of a degree of freedom of the deck."""
+        """Return node and component in the model of a degree of freedom of the deck."""
         if node in self.rotations and component < 3:
             return self.rotations[node], component + 3
         return node, component
 
 
 def read_data(deck: Deck) -> DeckData:
-    """Read nodes, elements and sets."""
+    """Read the nodes, elements and sets of a deck."""
     nodes = read_nodes(deck)
     elements = read_elements(deck, nodes)
     element_sets = read_element_sets(deck, elements)
@@ -91,7 +91,7 @@ def read_data(deck: Deck) -> DeckData:
 
 
 def with_transforms(data: DeckData) -> DeckData:
-    """Read all *TRANSFORM."""
+    """Return the data with the local axes of all *TRANSFORM."""
     system = data.system.copy()
     transforms = data.deck.of("TRANSFORM")
     for number, keyword in enumerate(transforms):
@@ -108,7 +108,7 @@ def _points(keyword: Keyword) -> tuple[Vector, Vector]:
 
 
 def _axes(keyword: Keyword, point: Vector) -> Matrix:
-    """Local axes at a point: rectangular x to a, b in the plane; cylindrical r, t, z; spherical."""
+    """Return local axes at a point: rectangular, cylindrical (r, t, z) or spherical."""
     first, second = _points(keyword)
     arm, axis = point - first, second - first
     # x, and a direction of its plane with y
@@ -136,7 +136,7 @@ def component(keyword: Keyword, row: int, text: str) -> int:
 
 
 def component_range(keyword: Keyword, row: int, fields: list[str]) -> range:
-    """Return the components 0..5 from the first of two fields to the last, which may be blank."""
+    """Return the components 0..5 between two fields, of which the last may be blank."""
     first = component(keyword, row, fields[0])
     last = component(keyword, row, fields[1]) if len(fields) > 1 and fields[1] else first
     if last < first:

@@ -1,7 +1,7 @@
-"""Comma-separated numbers of data lines: by the million and one at a time.
+"""Comma-separated numbers of data lines, as whole tables and one at a time.
 
-Fields are strict: digits, signs, a point and an exponent after E or D. A number that is not one is
-an error that names its line, never a zero.
+Fields are strict: digits, signs, a point and an exponent after E or D. An invalid number is
+an error with its line, never a zero.
 """
 
 import math
@@ -35,7 +35,7 @@ _IN_REALS = _mask(b"0123456789+-.EeDd \t,\n")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Table:
-    """All fields of a keyword's data.
+    """All fields of a keyword's data lines.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Table:
     def columns(self, fewest: int, width: int, expected: str) -> tuple[list[Fields], Indices]:
         """Return the columns of lines of ``fewest`` to ``width`` fields, empty where left out.
 
-        Also returned is the number of fields on each line.
+        Also return the number of fields on each line.
         """
         counts = self.counts
         wrong = np.flatnonzero((counts < fewest) | (counts > width))
@@ -70,9 +70,9 @@ class Table:
         return list(table.T), counts
 
     def cropped(self, width: int) -> "Table":
-        """Return the table without what stands behind the first fields of each line.
+        """Return the table with only the first ``width`` fields of each line.
 
-        Only where each line has all of these and more: a record then never runs over its line.
+        It is unchanged unless each line has more fields, so that no record spans several lines.
         """
         counts = self.counts
         if not len(counts) or counts.min() <= width:
@@ -82,9 +82,9 @@ class Table:
         return Table(keyword=self.keyword, texts=self.texts[keep], row=self.row[keep])
 
     def records(self, width: int, expected: str) -> tuple[Fields, Indices]:
-        """Return records (n, width) that may run over several lines, and the line of each.
+        """Return records (n, width), which may span several lines, and the first line of each.
 
-        Each record starts on a line of its own.
+        Each record starts on a new line.
         """
         start = np.arange(0, len(self.texts), width)
         rows = self.row[start]
@@ -95,7 +95,7 @@ class Table:
         if misplaced.size or lone.size or incomplete:
             bad = int(rows[misplaced[0]]) if misplaced.size else int(rows[-1])
             self.keyword.refuse(
-                f"expected {expected}, each on lines of its own; a field is missing or extra", bad
+                f"expected {expected}, each on separate lines; a field is missing or extra", bad
             )
         return self.texts.reshape(-1, width), rows
 
@@ -113,7 +113,7 @@ def table(keyword: Keyword) -> Table:
     if lengths.max() > LONGEST_WORD:
         long = int(lengths.argmax())
         keyword.refuse(
-            f"a field of {lengths[long]} characters is no number or label", int(row[long])
+            f"a field of {lengths[long]} characters is not a number or label", int(row[long])
         )
     texts = np.strings.strip(np.array(joined.replace(b"\n", b",").split(b",")))
     keep = ~(np.append(newline, True) & (texts == b""))
@@ -134,7 +134,7 @@ def integers(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Indice
 
 
 def reals(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Vector:
-    """Return the values of real fields; an empty one is 0, as in both programs."""
+    """Return the values of real fields; an empty field is 0, as in both programs."""
     if not len(texts):
         return np.zeros(0)
     _check_letters(texts, _IN_REALS, keyword, row, what)
@@ -176,19 +176,19 @@ def _unreadable_field(
 
 
 def is_integer(text: str) -> bool:
-    """Whether a field is a whole number."""
+    """Return whether a field is a whole number."""
     return _INTEGER.fullmatch(text) is not None
 
 
 def integer(keyword: Keyword, row: int | None, text: str, what: str) -> int:
-    """Return the value of one integer field."""
+    """Return the value of an integer field."""
     if not is_integer(text):
         keyword.refuse(f"found '{text}', expected {what}, a whole number", row)
     return int(text)
 
 
 def real(keyword: Keyword, row: int | None, text: str, what: str) -> float:
-    """Return the value of one real field, which must be there."""
+    """Return the value of a required real field."""
     if _REAL.fullmatch(text):
         value = float(text.upper().replace("D", "E"))
         if math.isfinite(value):
@@ -200,20 +200,20 @@ def real(keyword: Keyword, row: int | None, text: str, what: str) -> float:
 def optional_real(
     keyword: Keyword, row: int, fields: list[str], column: int, default: float, what: str
 ) -> float:
-    """Return the value of one real field, or the default where it is left out."""
+    """Return the value of a real field, or the default where it is empty."""
     text = fields[column] if column < len(fields) else ""
     return real(keyword, row, text, what) if text else default
 
 
 def parameter(keyword: Keyword, name: str, default: float | None = None) -> float:
-    """Return the number of a parameter, which must be there unless it has a default."""
+    """Return the number of a parameter, which is required unless it has a default."""
     if default is not None and not keyword.has(name):
         return default
     return real(keyword, None, keyword.required(name), name)
 
 
 def positive(keyword: Keyword, row: int, text: str, what: str) -> float:
-    """Return the value of one real field, which must be positive."""
+    """Return the value of a required positive field."""
     value = real(keyword, row, text, what)
     if not value > 0:
         keyword.refuse(f"{what} is {value:g}; it must be positive", row)
@@ -221,25 +221,25 @@ def positive(keyword: Keyword, row: int, text: str, what: str) -> float:
 
 
 def numbers(keyword: Keyword, row: int, fields: list[str], what: str) -> list[float]:
-    """Return the values of real fields, which must be there."""
+    """Return the values of required real fields."""
     return [real(keyword, row, text, what) for text in fields]
 
 
 def padded(keyword: Keyword, row: int, fields: list[str], count: int, what: str) -> Vector:
-    """Return so many reals (count,), zero where they are left out."""
+    """Return real fields (count,), zero where they are empty or missing."""
     return np.array([optional_real(keyword, row, fields, i, 0.0, what) for i in range(count)])
 
 
 def check_count(
     keyword: Keyword, row: int, fields: list[str], counts: Container[int], expected: str
 ) -> None:
-    """Refuse a data line of another number of fields."""
+    """Refuse a data line with another number of fields."""
     if len(fields) not in counts:
         keyword.refuse(f"found {len(fields)} fields, expected {expected}", row)
 
 
 def only_line(keyword: Keyword, counts: Container[int], expected: str) -> list[str]:
-    """Return the fields of the one data line of a keyword."""
+    """Return the fields of a keyword with a single data line."""
     rows = keyword.rows()
     if len(rows) != 1 or len(rows[0]) not in counts:
         keyword.refuse(f"expected one data line with {expected}", 0 if rows else None)

@@ -25,7 +25,7 @@ EVERYTHING = (
 
 LISTED = (
     "general contact of listed surfaces: an interface for each pair, whose first surface has the "
-    "contact points; what overlaps of them starts in contact without strain, as Abaqus adjusts it"
+    "contact points; overlaps start in contact without strain, as Abaqus adjusts them"
 )
 
 
@@ -38,7 +38,7 @@ def read_general_contact(
 ) -> tuple[InterfaceSpec, ...]:
     """Return the interfaces of ``*CONTACT INCLUSIONS, ALL EXTERIOR``; none without it.
 
-    Joined bodies are tied, cut from one another or in a contact pair.
+    ``joined`` bodies are tied, cut from each other or in a contact pair.
     """
     everything = [k for k in deck.of("CONTACT INCLUSIONS") if k.has("ALL EXTERIOR")]
     if not everything:
@@ -46,10 +46,10 @@ def read_general_contact(
     chosen, interaction = _assigned(deck, interactions, surfaces)
     for keyword in everything:
         if keyword.rows():
-            keyword.refuse("ALL EXTERIOR is of everything; list surfaces without it")
+            keyword.refuse("ALL EXTERIOR includes all surfaces; list surfaces without it")
     if interaction is None or chosen:
         everything[0].refuse(
-            "it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION of everything; "
+            "it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION for all pairs; "
             "define *CONTACT PAIR where surfaces differ"
         )
     deck.ignored.append(EVERYTHING)
@@ -70,13 +70,13 @@ def read_general_contact(
 
 
 def _meet(assembly: Assembly, spec: InterfaceSpec, ignored: list[str]) -> bool:
-    """Tell whether two bodies share some area; those that are near at an edge alone do not."""
+    """Return whether two bodies share some area, rather than only an edge."""
     if spec.meshes == "matching":
         return True
     try:
         find_couplings(assembly, spec)
     except ModelError as error:
-        ignored.append(f"general contact leaves out two bodies that are near each other: {error}")
+        ignored.append(f"general contact leaves out two bodies close to each other: {error}")
         return False
     return True
 
@@ -84,7 +84,7 @@ def _meet(assembly: Assembly, spec: InterfaceSpec, ignored: list[str]) -> bool:
 def read_listed(
     deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces
 ) -> list[Pair]:
-    """Return the pairs of surfaces that ``*CONTACT INCLUSIONS`` lists."""
+    """Return the pairs of surfaces listed in ``*CONTACT INCLUSIONS``."""
     pairs = []
     chosen, everywhere = _assigned(deck, interactions, surfaces)
     for keyword in deck.of("CONTACT INCLUSIONS"):
@@ -113,7 +113,7 @@ def read_listed(
     if pairs and chosen:
         names = " and ".join(sorted(next(iter(chosen))))
         deck.of("CONTACT PROPERTY ASSIGNMENT")[0].refuse(
-            f"surfaces {names} have a property, but are no pair of *CONTACT INCLUSIONS"
+            f"surfaces {names} have a property, but are not a pair of *CONTACT INCLUSIONS"
         )
     return pairs
 
@@ -121,7 +121,7 @@ def read_listed(
 def _assigned(
     deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces
 ) -> tuple[dict[frozenset[str], Interaction], Interaction | None]:
-    """Return the interactions of pairs of surfaces by name, and that of all others."""
+    """Return the interactions of pairs of surfaces by name, and of all other pairs."""
     chosen: dict[frozenset[str], Interaction] = {}
     everywhere = None
     for keyword in deck.of("CONTACT PROPERTY ASSIGNMENT"):
@@ -147,7 +147,7 @@ def _assigned(
 def joined_bodies(
     assembly: Assembly, cuts: Sequence[Cut], sides: Sequence[tuple[Indices, Indices]]
 ) -> set[frozenset[int]]:
-    """Return the pairs of bodies on both sides of cuts, or of pairs of surfaces by their nodes."""
+    """Return the pairs of bodies on both sides of cuts, or of pairs of node sets."""
     labels = assembly.mesh.bodies
     both = [*sides, *((cut.originals, cut.copies) for cut in cuts)]
     return {

@@ -1,4 +1,4 @@
-"""What a ``*SURFACE INTERACTION`` says: pressure over closure, and friction."""
+"""``*SURFACE INTERACTION``: pressure over closure, and friction."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -19,7 +19,7 @@ _OTHER_LAWS = (
     "ROUGH", "USER", "TAUMAX", "EXPONENTIAL DECAY", "ANISOTROPIC", "DEPENDENCIES", "TEST DATA",
 )  # fmt: skip
 _NO_SLIP = 1e6
-"""Coefficients from here on say that surfaces stick wherever they touch."""
+"""Coefficient of friction from which surfaces stick wherever they touch."""
 _ELASTIC_SLIPS = ("SLIP TOLERANCE", "ELASTIC SLIP")
 
 
@@ -30,9 +30,9 @@ Stick = float | Literal["auto"]
 def tied_slopes(
     deck: Deck, name: str, keyword: Keyword, friction: list[Keyword]
 ) -> tuple[float, float] | tuple[Literal["hard"], Literal["auto"]]:
-    """Return the slopes of a tied interaction along normals and across; without any it is rigid.
+    """Return the normal and tangential slopes of a tied interaction; rigid without slopes.
 
-    Where a deck has no stick slope CalculiX 2.20 takes half of the largest E.
+    If a deck has no stick slope, CalculiX 2.20 uses half of the largest E.
     """
     rows = keyword.rows()
     if not rows:
@@ -50,13 +50,13 @@ def tied_slopes(
     missing = "" if friction else " (half of the largest E: CalculiX 2.20 asks for *FRICTION)"
     deck.ignored.append(
         f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}"
-        f"{missing}; the coefficient of friction and gaps of the mesh do not count"
+        f"{missing}; the coefficient of friction and gaps of the mesh have no effect"
     )
     return slope, along
 
 
 def read_friction(keyword: Keyword, ignored: list[str]) -> tuple[float, Stick]:
-    """Return coefficient and stick stiffness; what its program defines otherwise is noted."""
+    """Return coefficient and stick stiffness, and note differences to the deck's program."""
     keyword.check()
     laws = [name for name in _OTHER_LAWS if keyword.has(name)]
     rows = keyword.rows()
@@ -76,14 +76,14 @@ def read_friction(keyword: Keyword, ignored: list[str]) -> tuple[float, Stick]:
     if coefficient > LARGEST_FRICTION:
         ignored.append(
             f"*FRICTION: a coefficient of {coefficient:g} forbids slip; it is {LARGEST_FRICTION:g} "
-            "here, which is the same as long as nothing slips"
+            "here, which is equivalent as long as no point slips"
         )
         coefficient = LARGEST_FRICTION
     return coefficient, _stiffness(keyword, rows[0], ignored) if coefficient else "auto"
 
 
 def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> Stick:
-    """Return the stick stiffness: a slope is the same thing here, an elastic slip is not."""
+    """Return the stick stiffness of a slope; "auto" for an elastic slip."""
     slope = optional_real(keyword, 0, row, 1, 0.0, "the stick slope") if len(row) > 1 else 0.0
     if keyword.has("SHEAR TRACTION SLOPE"):
         slope = parameter(keyword, "SHEAR TRACTION SLOPE")
@@ -94,12 +94,12 @@ def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> Stick:
         ignored.append(note)
         return slope
     if keyword.has("LAGRANGE"):
-        ignored.append("*FRICTION, LAGRANGE: nothing moves that sticks (tangential penalty inf)")
+        ignored.append("*FRICTION, LAGRANGE: rigid sticking (tangential penalty inf)")
         return float("inf")
     slip = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
     ignored.append(
         f"*FRICTION: the elastic slip of its program ({slip}) makes sticking points softer "
-        "where pressure is low; here the tangential penalty is the same everywhere, automatic "
+        "where pressure is low; here the tangential penalty is uniform, automatic "
         "unless the study gives tangential_penalty"
     )
     return "auto"
@@ -114,9 +114,9 @@ _FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
 def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Normal:
     keyword.check()
     if keyword.has("NO SEPARATION"):
-        keyword.refuse("NO SEPARATION is not supported; faying's contact opens")
+        keyword.refuse("NO SEPARATION is not supported, contact can open here; remove it")
     ignored += [
-        f"{flag} of *SURFACE BEHAVIOR: faying enforces contact in its own way"
+        f"{flag} of *SURFACE BEHAVIOR: faying enforces contact by its own method"
         for flag in _FLAGS
         if keyword.has(flag)
     ]
@@ -135,13 +135,13 @@ def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Nor
 
 
 _STEP, _LARGEST = 0.05, 12.0
-"""Between the rows of CalculiX's exponential, and its last, by the logarithm of pressure."""
+"""Step between rows of CalculiX's exponential, and its last row, in the logarithm of pressure."""
 
 
 def _curve(keyword: Keyword, kind: str, abaqus: bool) -> Curve:
-    """Pressure over closure by EXPONENTIAL, which programs take differently, or TABULAR.
+    """Return pressure over closure of EXPONENTIAL, which programs define differently, or TABULAR.
 
-    CalculiX (User's Manual, *SURFACE BEHAVIOR): p = p0 exp(c ln(100) / c0), nothing beyond c0 of
+    CalculiX (User's Manual, *SURFACE BEHAVIOR): p = p0 exp(c ln(100) / c0), zero beyond c0 of
     clearance; by a table whose chords are 3e-4 above it. Abaqus: p0 s (e^s - 1) / (e - 1).
     """
     rows = [numbers(keyword, i, row, "a number") for i, row in enumerate(keyword.rows())]
@@ -171,7 +171,7 @@ MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
 
 @dataclass(frozen=True, eq=False)
 class Interaction:
-    """A ``*SURFACE INTERACTION``, as an interface of any sides; what is tied does not move."""
+    """A ``*SURFACE INTERACTION`` as an interface without sides, and whether it is tied."""
 
     spec: InterfaceSpec
     tied: bool = False
@@ -215,7 +215,7 @@ def _is_tied(keyword: Keyword) -> bool:
 
 
 def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
-    """Leave out friction as asked."""
+    """Return the member keywords without friction, and note this."""
     frictionless = [member for member in members if member.name != "FRICTION"]
     if len(frictionless) < len(members):
         ignored.append(f"*FRICTION: {IGNORABLE['friction']} (ignore = friction)")

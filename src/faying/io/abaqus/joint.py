@@ -26,34 +26,34 @@ def read_joint(
     path
         The deck; *INCLUDE is relative to its folder.
     step
-        Step whose boundary conditions, loads and bolt forces count, with what earlier steps leave
-        in force. Unless given it is the last general one in front of those that change the
+        Step whose boundary conditions, loads and bolt forces are read, with those of earlier steps
+        that are in force. By default the last general step before those that change the
         structure (*MODEL CHANGE, *CHANGE …, *EQUATION with REMOVE).
 
     ignore
-        What the deck has and the model shall not: words of
-        :data:`faying.io.left_out.IGNORABLE`, which says what each means.
+        Content of the deck to leave out of the model: words of
+        :data:`faying.io.left_out.IGNORABLE`, which describes each.
 
     Returns
     -------
     JointDescription
-        Slave surfaces are the minus sides. ``assembly.loads`` has ``step 1``, … with what is in
+        Slave surfaces are the minus sides. ``assembly.loads`` has ``step 1``, … with the loads in
         force in each step up to the chosen one, which comes first. Ids and names are those of the
-        deck; names inside instances are ``instance.name``. ``assembly.ignored`` names everything
+        deck; names inside instances are ``instance.name``. ``assembly.ignored`` lists everything
         left out.
 
     Raises
     ------
     FormatError
-        With file and line: a missing file, a malformed number, a reference to something that is
-        not there, a repeated id; or all keywords that change the structure and are not supported.
+        With file and line: a missing file, an invalid number, a reference to an unknown
+        name or id, a repeated id; or all unsupported keywords that change the structure.
 
     Notes
     -----
     About 8 s for 500 000 nodes and bricks.
     """
     path = Path(path)
-    # Overflow is caught by the finiteness checks, where the line can be named.
+    # Checks of finite values report overflow with its line.
     with np.errstate(over="ignore", invalid="ignore"), naming(path):
         deck = read_keyword_deck(path, checked_ignore(ignore))
         chosen = step_before_changes(deck) if step is None else step
@@ -61,15 +61,15 @@ def read_joint(
 
 
 def read_deck(path: str | PathLike[str]) -> Assembly:
-    """Read the structure of a deck as :func:`read_joint`, in its last general step."""
+    """Read the structure of a deck in its last general step, as :func:`read_joint`."""
     return read_joint(path).assembly
 
 
 def step_before_changes(deck: Deck) -> int | None:
-    """Return the last general step in front of the first that changes the structure, and note it.
+    """Return the last general step before the first that changes the structure, and note it.
 
-    None if no step changes it, or none comes before: the last step is read then, and refused if
-    something in it is not supported.
+    None if no step changes it, or none is before: the last step is read then, and refused if
+    it contains unsupported keywords.
     """
     locks = _pretension_nodes(deck)
     first = next((k for k in deck.keywords if k.step > 1 and _changes(k, locks)), None)
@@ -101,7 +101,7 @@ def _changes(keyword: Keyword, locks: frozenset[str]) -> bool:
 
 
 def _pretension_nodes(deck: Deck) -> frozenset[str]:
-    """Return what the nodes of pretension sections may be called: ids, and sets of one of them."""
+    """Return the names of the nodes of pretension sections: ids, and sets of one node."""
     names = {keyword.value("NODE").upper() for keyword in deck.of("PRE-TENSION SECTION")}
     if not names:
         return frozenset()

@@ -1,4 +1,4 @@
-"""One keyword of a deck: where it stands in its file, its data lines and its parameters."""
+"""A keyword of a deck: its place in the file, its data lines and its parameters."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,18 +14,18 @@ from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.deck_lines import Lines
 
 _COMMENTS = (b"**", b">*")
-"""``**`` starts a comment, and so does ``>*``, before the first lines of some CalculiX decks."""
+"""``**`` starts a comment, as does ``>*`` in the first lines of some CalculiX decks."""
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """The lines behind a keyword, up to the next one."""
+    """The lines after a keyword, up to the next one."""
 
     lines: Lines
 
     @cached_property
     def data(self) -> list[bytes]:
-        """Return the lines as written, without comments and blank lines."""
+        """Lines as written, without comments and blank lines."""
         return [line for line in self.lines.text.split() if is_content(line)]
 
     def where(self, row: int) -> str:
@@ -35,7 +35,7 @@ class Body:
 
 
 def is_content(line: bytes) -> bool:
-    """Whether a line is neither blank nor a comment."""
+    """Return whether a line is neither blank nor a comment."""
     mark = line.lstrip()[:2]
     return bool(mark) and mark not in _COMMENTS
 
@@ -98,8 +98,8 @@ _TAKES: Mapping[str, str] = {
     "CLEARANCE": "MASTER*, SLAVE*, VALUE*",
     "MODEL CHANGE": "TYPE, REMOVE, ADD",
 }
-"""Keywords to their parameters: ``*`` must be given, behind ``=`` are the values that are read, of
-which the first is that of a parameter left out."""
+"""Parameters of each keyword: ``*`` is required, after ``=`` are the supported values, of
+which the first is the default."""
 
 READ = frozenset(_TAKES) - {"PART", "INSTANCE", "INITIAL CONDITIONS", "MODEL CHANGE"} | frozenset(
     (
@@ -107,12 +107,12 @@ READ = frozenset(_TAKES) - {"PART", "INSTANCE", "INITIAL CONDITIONS", "MODEL CHA
         *("TRANSVERSE SHEAR STIFFNESS", "GAP CONDUCTANCE", "SECTION CONTROLS", "DISTRIBUTION"),
     )
 )
-"""Keywords whose data are read, or refused for what they say."""
+"""Keywords whose data are read, or refused for their content."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """A parameter of a keyword: the values it may have, any if there are none."""
+    """A parameter of a keyword with its allowed values; empty allows any."""
 
     name: str
     required: bool
@@ -135,7 +135,7 @@ PARAMETERS: Mapping[str, Mapping[str, Parameter]] = {
     }
     for keyword, takes in _TAKES.items()
 }
-"""Keywords to what they take, by names without blanks."""
+"""Parameters of each keyword, by names without blanks."""
 
 _STRUCTURE = (
     *("PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "INSTANCE", "END INSTANCE", "INCLUDE"),
@@ -148,7 +148,7 @@ _KNOWN: Mapping[str, str] = {
 
 
 def keyword_name(text: str) -> str:
-    """Return the usual spelling of a keyword; an unknown one with single blanks."""
+    """Return the usual spelling of a keyword; single blanks in an unknown one."""
     return _KNOWN.get(without_blanks(text), " ".join(text.upper().split()))
 
 
@@ -157,14 +157,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Scope:
-    """What a number or a name in a keyword's data refers to: the whole deck or one instance.
+    """The scope of ids and names in a keyword's data: the whole deck or an instance.
 
     Attributes
     ----------
     name
         Name of the instance; empty for a deck without parts, for its assembly and its steps.
     offset
-        Added to node and element ids, which may repeat between instances.
+        Offset of node and element ids, which may repeat between instances.
     rotation : (3, 3), translation : (3,)
         Position of the instance: x = rotation · x_part + translation.
     """
@@ -177,21 +177,21 @@ class Scope:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Keyword:
-    """A keyword with its data.
+    """A keyword of a deck with its parameters and data.
 
     Attributes
     ----------
     name
         Upper case, single blanks: ``"SOLID SECTION"``.
     parameters
-        Upper-case names without blanks to values as written; flags have an empty value. The
-        methods take names with or without blanks.
+        Values as written by upper-case name without blanks; flags have an empty value. The
+        methods accept names with or without blanks.
     body
-        Its data lines.
+        Data lines.
     place
         File and line of the keyword line.
     step
-        Number of the step it belongs to, from 1; 0 before the first.
+        Number of its step, from 1; 0 before the first step.
     """
 
     name: str
@@ -211,15 +211,15 @@ class Keyword:
         return self.place if row is None else self.body.where(row)
 
     def error(self, text: str, row: int | None = None) -> FormatError:
-        """Return an error that names file, line and keyword; ``row`` is a data line."""
+        """Return an error with file, line and keyword; ``row`` is a data line."""
         return FormatError(f"{self.where(row)}: *{self.name}: {text}")
 
     def refuse(self, text: str, row: int | None = None) -> NoReturn:
-        """Raise the error that names file, line and keyword."""
+        """Raise the error of :meth:`error`."""
         raise self.error(text, row)
 
     def has(self, name: str) -> bool:
-        """Whether a parameter is given."""
+        """Return whether a parameter is given."""
         return without_blanks(name) in self.parameters
 
     def value(self, name: str, default: str = "") -> str:
@@ -229,26 +229,26 @@ class Keyword:
     def choice(self, name: str, default: str = "") -> str:
         """Return the value of a parameter in upper case with single blanks.
 
-        Left out it is ``default``, or what the table of parameters says.
+        A missing parameter has the value ``default``, or the default of the table of parameters.
         """
         row = PARAMETERS.get(self.name, {}).get(without_blanks(name))
         usual = default or next(iter(row.choices if row else ()), "")
         return " ".join(self.value(name, usual).upper().split())
 
     def required(self, name: str) -> str:
-        """Return the value of a parameter that must be there."""
+        """Return the value of a required parameter."""
         value = self.value(name)
         if not value:
             self.refuse(f"the parameter {name} is missing; give {name}=…")
         return value
 
     def check(self) -> None:
-        """Refuse parameters and values that the table has not, and what is missing."""
+        """Refuse unknown parameters and values, and missing required parameters."""
         table = PARAMETERS[self.name]
         for name in self.parameters:
             if name not in table:
                 names = ", ".join(row.name for row in table.values())
-                allowed = f"known here are {names}" if names else "it takes none here"
+                allowed = f"known are {names}" if names else "it has no parameters"
                 self.refuse(
                     f"the parameter {name} is not supported and may change the structure; {allowed}"
                 )
@@ -260,13 +260,13 @@ class Keyword:
                 self.refuse(f"{row.name}={value} is not supported; give {', '.join(row.choices)}")
 
     def rows(self) -> list[list[str]]:
-        """Return the data lines split into stripped fields; for small data."""
+        """Return the stripped fields of all data lines; for small data."""
         split = [[part.strip() for part in line.decode("latin-1").split(",")] for line in self.data]
         return [row[:-1] if len(row) > 1 and not row[-1] else row for row in split]
 
 
 def scoped_names(keyword: Keyword, label: str) -> tuple[str, str]:
-    """Return the upper-case names that a label may mean: of the keyword's instance, of the deck."""
+    """Return the upper-case names of a label: in the keyword's instance, and in the deck."""
     plain = label.strip("\"' ").upper()
     return f"{keyword.scope.name.upper()}.{plain}", plain
 
@@ -274,7 +274,7 @@ def scoped_names(keyword: Keyword, label: str) -> tuple[str, str]:
 def named(
     keyword: Keyword, label: str, table: Mapping[str, T], what: str, row: int | None = None
 ) -> T:
-    """Return the value of an upper-case name, that of the keyword's instance before others."""
+    """Return the entry of a name in a table, first in the scope of the keyword's instance."""
     for key in scoped_names(keyword, label):
         if key in table:
             return table[key]
@@ -283,7 +283,7 @@ def named(
 
 
 def add(table: dict[str, T], keyword: Keyword, name: str, value: T, what: str) -> None:
-    """Put a value under its upper-case name into a table, which must not have it yet."""
+    """Add a value to a table under its upper-case name; refuse an existing name."""
     if name.upper() in table:
         keyword.refuse(f"there are two {what} '{name}'; rename one of them")
     table[name.upper()] = value

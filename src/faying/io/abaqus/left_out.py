@@ -1,4 +1,4 @@
-"""Keywords and element types that are not read, and what becomes of each."""
+"""Keywords and element types that are not read, and how each is handled."""
 
 from collections.abc import Mapping
 
@@ -13,7 +13,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("PRINT", "MONITOR", "FILE FORMAT", "MATRIX GENERATE", "MATRIX OUTPUT", "TIME POINTS"),
         *("ELEMENT MATRIX OUTPUT", "SUBSTRUCTURE MATRIX OUTPUT", "FILTER OUTPUT"),
     ),
-    "procedures: the load cases of a study, or calls from Python, say what is computed": (
+    "procedures: the load cases of a study, or calls from Python, determine what is computed": (
         *("STEP", "END STEP", "STATIC", "FREQUENCY", "DYNAMIC", "MODAL DYNAMIC", "BUCKLE"),
         *("STEADY STATE DYNAMICS", "VISCO", "COMPLEX FREQUENCY", "SUBSTRUCTURE GENERATE"),
         *("RETAINED NODAL DOFS", "SELECT CYCLIC SYMMETRY MODES", "SELECT EIGENMODES"),
@@ -23,7 +23,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         "SUBSTRUCTURE LOAD CASE",
     ),
     "CalculiX solves again on a mesh of its own there; here the mesh is the deck's, and results "
-    "differ by what refining changes": ("REFINE MESH",),
+    "differ by the effect of the refinement": ("REFINE MESH",),
     "solution control: faying has its own tolerances": (
         "HCF",
         *("CONTROLS", "SOLVER CONTROLS", "CONTACT CONTROLS", "NO ANALYSIS", "DYNAMIC CONTROLS"),
@@ -38,7 +38,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("FEASIBLE DIRECTION", "FILTER", "GEOMETRIC TOLERANCES", "GEOMETRIC CONSTRAINT"),
         *("CONSTRAINT", "ROBUST DESIGN", "RANDOM FIELD", "CORRELATION LENGTH", "GREEN"),
     ),
-    "damping: statics do not see it, and transients take alpha and beta of the study": (
+    "damping: it has no effect in statics, and transients use alpha and beta of the study": (
         *("DASHPOT", "DAMPING", "MODAL DAMPING", "GLOBAL DAMPING", "CONTACT DAMPING"),
     ),
     "base motion: give the load cases of the study forces": ("BASE MOTION",),
@@ -68,11 +68,11 @@ _ON_REQUEST: Mapping[str, tuple[str, ...]] = {
 _SHELLS = "give S3, S4, S6 or S8 with *SHELL SECTION of one layer, or solids"
 _PLANE = (
     "model the body in three dimensions by solids; plane and axisymmetric ones are not read. gmsh "
-    "writes groups of faces as such: give its .msh file instead, or take them out"
+    "writes groups of faces as such: give its .msh file instead, or remove them"
 )
 _MATRICES = 'give matrices instead (source = "matrices")'
 _GENERATED = "write nodes and elements out; preprocessors and CalculiX's cgx do"
-_PAIRS = "define *CONTACT PAIR; general contact is of everything alike, or of listed surfaces"
+_PAIRS = "define *CONTACT PAIR; general contact is uniform, or of listed surfaces"
 _FLOW = "flow, electric and magnetic fields are not supported; remove them"
 _ELASTIC = "give *ELASTIC; materials are linear elastic"
 _STARTS = "remove it; structures start without stress"
@@ -97,7 +97,7 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
     "give initial_gap (negative) to the interface in the study": ("CONTACT INTERFERENCE",),
     "model the whole structure": ("CYCLIC SYMMETRY MODEL", "TIE, CYCLIC SYMMETRY"),
     "use *CONTACT PAIR": ("GAP",),
-    "remove it; the structure is the same in all steps": (
+    "remove it; the structure must be the same in all steps": (
         *("MODEL CHANGE", "CHANGE FRICTION", "CHANGE MATERIAL", "CHANGE SOLID SECTION"),
         *("CHANGE SURFACE BEHAVIOR", "CHANGE CONTACT TYPE"),
     ),
@@ -106,7 +106,7 @@ _REMEDIES: Mapping[str, tuple[str, ...]] = {
         *("CONNECTOR MOTION", "CONNECTOR LOCK", "CONNECTOR STOP", "CONNECTOR DAMPING"),
         *("CONNECTOR FRICTION", "FASTENER", "FASTENER PROPERTY"),
     ),
-    "cut the model yourself and hold it by *BOUNDARY": ("SUBMODEL",),
+    "cut the model and hold it by *BOUNDARY": ("SUBMODEL",),
     _MATRICES: (
         *("USER ELEMENT", "MATRIX INPUT", "MATRIX ASSEMBLE", "UEL PROPERTY", "USER SECTION"),
         "MATRIX",

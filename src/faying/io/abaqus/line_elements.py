@@ -33,7 +33,7 @@ Direction = tuple[float, float, float]
 
 
 def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Beam]:
-    """Read beams: two-node ones as they are, three-node ones as two beams.
+    """Yield the beams of a deck; a three-node beam becomes two beams.
 
     The second half of a three-node beam gets the id of the beam, the first half a new one.
     """
@@ -46,9 +46,9 @@ def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Be
     sections = [_beam(keyword, n, materials) for n, keyword in enumerate(keywords, start=first)]
     numbers = section_numbers("BEAM SECTION", keywords, blocks, data.element_sets, deck.ignored)
     for keyword in deck.of("TRANSVERSE SHEAR STIFFNESS"):
-        keyword.refuse("it is not supported; leave it out, and take B33 for beams rigid in shear")
+        keyword.refuse("it is not supported; remove it, and use B33 for beams rigid in shear")
     deck.ignored.extend(
-        f"{name}: taken as beams exact for end loads, not as the element's own"
+        f"{name}: read as beams that are exact for end loads"
         for name in sorted({block.type for block in blocks} - {"B33"})
     )
     halves = max((int(block.ids.max(initial=0)) for block in elements.blocks), default=0) + 1
@@ -66,7 +66,7 @@ def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Be
 
 
 def _beam(keyword: Keyword, number: int, materials: Mapping[str, Material]) -> Beam:
-    """Return a beam of nowhere that has a section."""
+    """Return a beam with the section of a keyword, without nodes."""
     rows = keyword.rows()
     if keyword.name == "BEAM SECTION":
         material = find_isotropic(materials, keyword)
@@ -93,7 +93,7 @@ def _measures(keyword: Keyword, rows: list[list[str]], counts: tuple[int, ...]) 
 
 
 def _profile(keyword: Keyword, rows: list[list[str]], poisson: float) -> BeamSection:
-    """Section of a circle, pipe or rectangle; the first local axis n1 is our y."""
+    """Return the section of a circle, pipe or rectangle; the first local axis n1 is y here."""
     kind = keyword.choice("SECTION")
     if kind not in ("CIRC", "PIPE", "RECT"):
         shapes = "CIRC, PIPE, RECT, or *BEAM GENERAL SECTION"
@@ -111,9 +111,9 @@ def _profile(keyword: Keyword, rows: list[list[str]], poisson: float) -> BeamSec
 
 
 def _rectangle_torsion(width: float, height: float) -> float:
-    """Torsion constant of a rectangle: S. Timoshenko, J. Goodier, "Theory of Elasticity", §109.
+    """Return the torsion constant of a rectangle (Timoshenko, Goodier: Theory of Elasticity, §109).
 
-    Three terms of the series leave 1e-6.
+    Three terms of the series have an error of 1e-6.
     """
     long, short = max(width, height), min(width, height)
     odd = np.arange(1, 12, 2)
@@ -122,7 +122,7 @@ def _rectangle_torsion(width: float, height: float) -> float:
 
 
 def _general(keyword: Keyword, rows: list[list[str]]) -> tuple[BeamSection, Material]:
-    """Area, I11, I12, I22, J; axis; Young's and shear modulus."""
+    """Return section and material of *BEAM GENERAL SECTION."""
     if len(rows) != 3 or len(rows[0]) != 5 or not 2 <= len(rows[2]) <= 4:
         keyword.refuse(
             "expected three data lines: area, I11, I12, I22, J; direction of the first axis; "
@@ -145,7 +145,7 @@ def _general(keyword: Keyword, rows: list[list[str]]) -> tuple[BeamSection, Mate
 
 
 def _direction(keyword: Keyword, rows: list[list[str]]) -> Direction:
-    """Direction of the first local axis n1; both programs default to (0, 0, -1)."""
+    """Return the direction of the first local axis n1; both programs default to (0, 0, -1)."""
     if len(rows) < 2:
         return (0.0, 0.0, -1.0)
     if len(rows[1]) != 3:
@@ -158,7 +158,7 @@ TRUSSES = ("T3D2",)
 
 
 def read_trusses(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Beam]:
-    """Read trusses; their area is 1 where the section gives none, as in both programs."""
+    """Yield the trusses of a deck; the default area is 1, as in both programs."""
     blocks, coordinates = data.elements.of(*TRUSSES), data.nodes.coordinates
     if not blocks:
         return
@@ -190,7 +190,7 @@ def _section(keyword: Keyword) -> BeamSection:
 
 
 def read_springs(data: DeckData) -> tuple[tuple[Spring, ...], tuple[Bush, ...]]:
-    """Read SPRING1, SPRING2 and SPRINGA; those off the coordinate axes are bushes."""
+    """Return springs and bushes of SPRING1, SPRING2 and SPRINGA; inclined springs are bushes."""
     keywords = data.deck.of("SPRING")
     blocks = data.elements.of("SPRING1", "SPRING2", "SPRINGA")
     numbers = section_numbers("SPRING", keywords, blocks, data.element_sets, data.deck.ignored)
@@ -232,11 +232,11 @@ def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) 
 
 
 def _axis(block: ElementBlock, i: int, coordinates: Matrix) -> int | None:
-    """Component of an axial spring parallel to a coordinate axis; None for any other."""
+    """Return the component of an axial spring along a coordinate axis; None for others."""
     apart = coordinates[block.nodes[i, 1]] - coordinates[block.nodes[i, 0]]
     if not apart.any():
         block.keyword.refuse(
-            f"SPRINGA {block.ids[i]} has no direction, for its nodes coincide; use SPRING2",
+            f"SPRINGA {block.ids[i]} has no direction, because its nodes coincide; use SPRING2",
             int(block.rows[i]),
         )
     component = int(np.abs(apart).argmax())
@@ -255,7 +255,7 @@ def _inclined(block: ElementBlock, i: int, stiffness: float, coordinates: Matrix
 
 
 def read_masses(data: DeckData) -> Iterator[PointMass]:
-    """Read MASS and ROTARYI elements."""
+    """Yield the point masses of MASS and ROTARYI elements."""
     for kind, name, read in (("MASS", "MASS", _mass), ("ROTARYI", "ROTARY INERTIA", _inertia)):
         keywords, blocks = data.deck.of(name), data.elements.of(kind)
         values = [read(keyword) for keyword in keywords]
@@ -289,18 +289,18 @@ def _inertia(keyword: Keyword) -> PointMass:
 _VIBRATIONS = ("FREQUENCY", "COMPLEX FREQUENCY", "DYNAMIC", "MODAL DYNAMIC")
 _INCOMPATIBLE = (
     "C3D8I: incompatible modes have no mass here; in CalculiX they have, and frequencies of "
-    "bending are lower: by 2 % at 12 elements to a wave, 7 % at 7, 16 % at 5"
+    "bending are lower: by 2 % at 12 elements per wave, 7 % at 7, 16 % at 5"
 )
 _SCALED = (
     "time step on *FREQUENCY: CalculiX adds mass to the elements that would need a smaller one "
-    "(selective mass scaling) and finds lower frequencies; masses are those of the densities here"
+    "(selective mass scaling) and finds lower frequencies; masses follow from densities here"
 )
 _TIME_STEP = 3
-"""Field of *FREQUENCY behind the number of frequencies and their bounds."""
+"""Field of *FREQUENCY after the number of frequencies and their bounds."""
 
 
 def note_masses(deck: Deck, solids: Sequence[ElementBlock]) -> None:
-    """Say which masses differ, in decks that ask for vibrations."""
+    """Note differences of masses to the deck's program, in decks with vibration steps."""
     if not any(deck.of(name) for name in _VIBRATIONS):
         return
     if any(block.type == "C3D8I" for block in solids):

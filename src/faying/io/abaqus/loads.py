@@ -20,29 +20,29 @@ from faying.model.body_forces import body_forces, centrifugal
 from faying.model.surface import nodes_by_kind
 
 _TIMED = ("STATIC", "DYNAMIC", "VISCO", "MODAL DYNAMIC")
-"""Procedures whose data line holds the length of the step, behind its first increment."""
+"""Procedures whose data line has the length of the step, after its first increment."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Amplitudes:
-    """All amplitudes of a deck, and how long its steps last.
+    """The amplitudes of a deck, and the durations of its steps.
 
     Attributes
     ----------
     keywords
-        Upper-case name to the keyword.
+        Keywords by upper-case name.
     lengths
-        Of the steps, from 0 for what stands before the first.
+        Durations of the steps; entry 0 is before the first step.
     """
 
     keywords: Mapping[str, Keyword]
     lengths: Sequence[float]
 
     def factor(self, load: Keyword, step: int) -> float:
-        """Return what the loads of a keyword are multiplied by at the end of a step.
+        """Return the factor on the loads of a keyword at the end of a step.
 
-        A course over the time of the step stays at its last value in the steps that follow; one
-        over the total time goes on.
+        An amplitude over step time keeps its last value in later steps; an amplitude
+        over total time continues.
         """
         if not load.has("AMPLITUDE"):
             return 1.0
@@ -54,7 +54,7 @@ class Amplitudes:
         return float(np.interp(time, times, values))
 
     def note(self, load: Keyword, ignored: list[str]) -> None:
-        """Say what of the course over time is taken."""
+        """Note the factor of an amplitude."""
         if load.has("AMPLITUDE"):
             factor = self.factor(load, load.step)
             name = load.value("AMPLITUDE")
@@ -77,7 +77,7 @@ def read_amplitudes(deck: Deck) -> Amplitudes:
 
 
 def _table(keyword: Keyword) -> tuple[Vector, Vector]:
-    """Return times and values of an amplitude, shifted as CalculiX does by SHIFTX and SHIFTY."""
+    """Return times and values of an amplitude, shifted by SHIFTX and SHIFTY as in CalculiX."""
     keyword.check()
     numbers = [
         real(keyword, row, text, "a time or a value")
@@ -103,11 +103,11 @@ def in_force(
     names: Sequence[str],
     read: Callable[[Keyword], Iterable[tuple[Key, Value]]],
 ) -> Iterator[dict[Key, list[tuple[Value, Keyword]]]]:
-    """Yield the loads of keywords that are in force, step by step from 0, and what each is of.
+    """Yield the loads in force with their keywords, step by step from 0.
 
-    A later step replaces what it names again; within a step values add up. OP=NEW removes what
-    earlier steps left by keywords of that name, and none of it acts in a linear perturbation.
-    ``read`` yields what a keyword loads, and how.
+    A later step replaces loads that it defines again; within a step values add up. OP=NEW removes
+    loads of earlier steps by keywords of that name; these do not act in linear perturbations.
+    ``read`` yields target and value of each load of a keyword.
     """
     loads: dict[Key, list[tuple[Value, Keyword]]] = {}
     for step in range(deck.n_step + 1):
@@ -126,9 +126,9 @@ Forces = dict[tuple[int, int], float]
 
 
 def read_concentrated(data: DeckData, amplitudes: Amplitudes) -> Iterator[Forces]:
-    """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
+    """Yield the *CLOAD in force, step by step from 0: values by (node, component) of the deck.
 
-    As of :func:`in_force`.
+    Loads are in force as in :func:`in_force`.
     """
     deck = data.deck
     for load in deck.of("CLOAD"):
@@ -139,9 +139,7 @@ def read_concentrated(data: DeckData, amplitudes: Amplitudes) -> Iterator[Forces
                 "the load of the step is the real part"
             )
         if load.has("OMEGA0"):
-            deck.ignored.append(
-                f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency"
-            )
+            deck.ignored.append(f"{load.where()}: OMEGA0 of *CLOAD: static loads have no frequency")
     for step, forces in enumerate(in_force(deck, ("CLOAD",), partial(_concentrated, data=data))):
         yield {
             dof: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
@@ -150,7 +148,7 @@ def read_concentrated(data: DeckData, amplitudes: Amplitudes) -> Iterator[Forces
 
 
 def _is_imaginary(keyword: Keyword) -> bool:
-    """Whether forces are the imaginary part of those of a harmonic response."""
+    """Return whether forces are the imaginary part of a harmonic load."""
     return keyword.choice("LOAD CASE", "1") == "2"
 
 
@@ -186,8 +184,8 @@ def read_distributed(
 ) -> Iterator[Matrix]:
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
-    As of :func:`in_force`, of the same kind on the same set or surface. The assembly has
-    all elements, whose mass gravity acts on.
+    Loads are in force as in :func:`in_force`, by kind and set or surface. The assembly has
+    all elements, for gravity.
     """
     for keyword in data.deck.of("DLOAD", "DSLOAD"):
         amplitudes.note(keyword, data.deck.ignored)
@@ -239,7 +237,7 @@ def _lines(
 
 
 def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -> Matrix:
-    """Return forces -p ∫ N n dA; pressure pushes against the outward normal."""
+    """Return nodal forces -p ∫ N n dA; pressure acts against the outward normal."""
     nodes = assembly.mesh.nodes
     forces = np.zeros((len(nodes), 6))
     for kind, table in facets.items():
@@ -251,12 +249,12 @@ def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -
 def _on_shells(
     keyword: Keyword, row: int, label: str, assembly: Assembly, sets: NamedSets, value: float
 ) -> Matrix:
-    """Return the forces of a pressure on shells, which pushes along their normal."""
+    """Return the nodal forces of a pressure on shells, which acts along their normal."""
     ids = sets.members(keyword, label, row)
     parts = [(block.kind, block.nodes[np.isin(block.ids, ids)]) for block in assembly.shells]
     if sum(len(nodes) for _, nodes in parts) != len(ids):
         keyword.refuse(
-            f"{label} is not of shells alone; P is a pressure on shells, P1 … P6 on solids", row
+            f"{label} has not only shells; P is a pressure on shells, P1 … P6 on solids", row
         )
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     for kind, nodes in parts:
@@ -267,7 +265,7 @@ def _on_shells(
 def _body_force(
     keyword: Keyword, row: int, fields: list[str], assembly: Assembly, sets: NamedSets
 ) -> Matrix:
-    """Return forces M a of an acceleration, consistent with the mass of every element."""
+    """Return nodal forces M a of an acceleration, consistent with the mass of every element."""
     kind = fields[1].upper()
     expected = _BODY_FORCES[kind]
     check_count(keyword, row, fields, (len(expected.split(", ")),), expected)
@@ -299,4 +297,4 @@ _BODY_FORCES = {
     "GRAV": "set, GRAV, acceleration, x, y, z",
     "CENTRIF": "set, CENTRIF, square of angular velocity, x, y, z of the axis, x, y, z along it",
 }
-"""Forces of a mass, and their fields."""
+"""Body forces and their fields."""

@@ -21,15 +21,15 @@ from faying.model.elastic_law import orthotropic_law
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Temperatures:
-    """Temperatures of the nodes at the start and at the end of each step, from 0.
+    """Temperatures of the nodes at the start, and at the end of each step from 0.
 
     Attributes
     ----------
     initial : (n_node,)
     steps
-        One field (n_node,) for each step; the initial one where nothing changes it.
+        Temperatures (n_node,) at the end of each step; initial ones if unchanged.
     first
-        The first *TEMPERATURE, if any.
+        The first *TEMPERATURE keyword, if any.
     """
 
     initial: Vector
@@ -37,13 +37,13 @@ class Temperatures:
     first: Keyword | None
 
     def uniform(self, nodes: Indices) -> float | None:
-        """Return the temperature of nodes at the end of the last step; None if it differs."""
+        """Return the uniform temperature of nodes at the end of all steps; None if it varies."""
         values = np.unique(self.steps[-1][nodes])
         return float(values[0]) if len(values) == 1 else None
 
 
 def without_temperatures(deck: Deck) -> Deck:
-    """Leave out the temperatures of steps as asked; the initial ones choose material constants."""
+    """Return the deck without temperatures of steps; initial ones still select constants."""
     if "temperature" not in deck.ignore or not deck.of("TEMPERATURE"):
         return deck
     deck.ignored.append(f"*TEMPERATURE: {IGNORABLE['temperature']} (ignore = temperature)")
@@ -68,7 +68,7 @@ def read_temperatures(data: DeckData, amplitudes: Amplitudes) -> Temperatures:
                 current = initial.copy()
             factor = amplitudes.factor(keyword, step)
             for nodes, value in _lines(keyword, data):
-                # With an amplitude CalculiX goes from the initial temperature; at 1 none matters.
+                # With an amplitude CalculiX starts at the initial temperature; at 1 both agree.
                 current[nodes] = factor * value
         steps.append(current)
     return Temperatures(initial=initial, steps=steps, first=keywords[0] if keywords else None)
@@ -93,20 +93,20 @@ def _lines(keyword: Keyword, data: DeckData) -> Iterator[tuple[Indices, float]]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Expansion:
-    """Coefficients of expansion over temperature, from the temperature without strain."""
+    """Coefficients of thermal expansion over temperature, and the strain-free temperature."""
 
     temperatures: Vector
     coefficients: Vector
     zero: float
 
     def strain(self, temperature: Matrix) -> Matrix:
-        """Return the strain from the temperature without any to another."""
+        """Return the thermal strain at a temperature."""
         coefficient = np.interp(temperature, self.temperatures, self.coefficients)
         return np.asarray(coefficient * (temperature - self.zero))
 
 
 def read_expansion(keyword: Keyword) -> Expansion:
-    """Read *EXPANSION."""
+    """Read the coefficients of *EXPANSION."""
     keyword.check()
     rows = keyword.rows()
     wrong = next((row for row, fields in enumerate(rows) if len(fields) > 2), None)
@@ -119,7 +119,7 @@ def read_expansion(keyword: Keyword) -> Expansion:
 
 
 def constant_expansion(keyword: Keyword) -> float | None:
-    """Return the coefficient of *EXPANSION; None where it differs in directions or temperatures."""
+    """Return the coefficient of *EXPANSION; None if it depends on direction or temperature."""
     rows = keyword.rows()
     isotropic = keyword.choice("TYPE") in ("ISO", "ISOTROPIC")
     return real(keyword, 0, rows[0][0], "a coefficient") if isotropic and len(rows) == 1 else None
@@ -133,10 +133,10 @@ def thermal_forces(
     bolts: Collection[int | None],
     ignored: list[str],
 ) -> list[Matrix]:
-    """Return the forces (n_node, 6) of the free strains at the end of each step.
+    """Return the nodal forces (n_node, 6) of thermal strains at the end of each step.
 
-    Expansions are those of materials, named in upper case. Each node of the assembly has the
-    temperature of a node of the deck, its origin (n_node,). Bolts are beams that are tightened.
+    Expansions are given by upper-case material name. Each node of the assembly has the
+    temperature of a node of the deck, its ``origin`` (n_node,). ``bolts`` are tightened beams.
     """
     shape = (len(assembly.mesh.nodes), 6)
     of_property = {number: section.name for number, section in assembly.materials.items()}
@@ -150,7 +150,7 @@ def thermal_forces(
     expanding = sorted(name for name in of_shells if name.upper() in expansions)
     if temperatures.first is not None and expanding:
         temperatures.first.refuse(
-            f"shells of material '{expanding[0]}' do not expand here; leave its *EXPANSION out, or "
+            f"shells of material '{expanding[0]}' cannot expand; remove its *EXPANSION, or "
             f"{request('temperature')}"
         )
     if temperatures.first is None or not used:
@@ -188,9 +188,9 @@ MEMBERS = ("ELASTIC", "DENSITY", "DAMPING", "EXPANSION", *sorted(HARMLESS))
 
 
 def without_unused(deck: Deck) -> Deck:
-    """Leave out the materials that no section names, whatever is in them.
+    """Return the deck without materials that no section uses.
 
-    A block ends at the next keyword that is read for something else.
+    The block of a material ends at the next keyword that is read for another purpose.
     """
     used = {keyword.value("MATERIAL").upper() for keyword in deck.keywords}
     keywords, unused = [], False
@@ -210,10 +210,10 @@ def without_unused(deck: Deck) -> Deck:
 def read_materials(
     deck: Deck, temperature: float | None
 ) -> tuple[dict[str, Material], dict[str, Expansion]]:
-    """Read all *MATERIAL: upper-case name to material, and to what it expands by.
+    """Return the materials of all *MATERIAL, and their expansions, by upper-case name.
 
-    Tables over temperature count at the temperature given; None where it differs. Without
-    temperatures of steps nothing expands.
+    Tables over temperature are evaluated at ``temperature``, None where it varies. Without
+    temperatures of steps there are no expansions.
     """
     materials: dict[str, Material] = {}
     expansions: dict[str, Expansion] = {}
@@ -267,9 +267,9 @@ def read_materials(
 
 
 def _constants(keyword: Keyword, temperature: float | None, names: Sequence[str]) -> Vector:
-    """Return constants, of which only the first must be there, at the temperature that counts.
+    """Return constants at a temperature; only the first is required.
 
-    Each line has them in order, and the temperature it is of behind them.
+    Each line has the constants in order, followed by their temperature.
     """
     rows = keyword.rows()
     expected = ", ".join(names)
@@ -281,7 +281,7 @@ def _constants(keyword: Keyword, temperature: float | None, names: Sequence[str]
 
 
 def _table(keyword: Keyword, names: Sequence[str]) -> Matrix:
-    """Return the numbers of all data lines, of which only the first of each must be there."""
+    """Return the numbers of all data lines; only the first of each line is required."""
     return np.array(
         [
             [
@@ -297,12 +297,12 @@ def _table(keyword: Keyword, names: Sequence[str]) -> Matrix:
 
 
 def _at(keyword: Keyword, temperature: float | None, table: Matrix) -> Vector:
-    """Return the constants of a table over temperature, the last of its columns."""
+    """Return the constants of a table over temperature, which is its last column."""
     if len(table) == 1:
         return table[0, :-1]
     if temperature is None:
         keyword.refuse(
-            "constants that depend on temperature are not supported where it differs between "
+            "constants that depend on temperature are not supported where it varies between "
             f"nodes; give one line, or {request('temperature')}",
             1,
         )
@@ -311,7 +311,7 @@ def _at(keyword: Keyword, temperature: float | None, table: Matrix) -> Vector:
 
 
 def _check_increasing(keyword: Keyword, temperatures: Vector) -> None:
-    """Refuse a table over temperature that does not go up."""
+    """Refuse a table whose temperatures do not increase."""
     if (np.diff(temperatures) <= 0).any():
         keyword.refuse("the temperatures do not increase; sort them", 1)
 
@@ -319,13 +319,13 @@ def _check_increasing(keyword: Keyword, temperatures: Vector) -> None:
 ISOTROPIC = ("ISOTROPIC", "ISO")
 _COUNTS = {"ORTHOTROPIC": 9, "ENGINEERINGCONSTANTS": 9, "ANISOTROPIC": 21}
 _ORDER = np.array([0, 1, 2, 3, 5, 4])
-"""Decks have 11, 22, 33, 12, 13, 23; see :mod:`faying.model.elastic_law`."""
+"""Order of components: decks have 11, 22, 33, 12, 13, 23; see :mod:`faying.model.elastic_law`."""
 
 
 def read_law(keyword: Keyword, temperature: float | None) -> Matrix:
-    """Return the stiffness (6, 6) along the axes of the material.
+    """Return the elasticity matrix (6, 6) along the axes of the material.
 
-    A table over temperature counts at the one given.
+    A table over temperature is evaluated at the given one.
     """
     wished = keyword.choice("TYPE").replace(" ", "")
     kind = next((name for name in _COUNTS if len(wished) > 2 and name.startswith(wished)), "")
@@ -340,7 +340,7 @@ def read_law(keyword: Keyword, temperature: float | None) -> Matrix:
         for i, row in enumerate(keyword.rows())
         for value in numbers(keyword, i, row, "an elastic constant")
     ]
-    # A temperature may stand behind the last constant, and must in a table.
+    # A temperature may follow the last constant, and must in a table.
     if len(values) == count:
         values.append(0.0)
     if not values or len(values) % (count + 1):

@@ -1,4 +1,4 @@
-"""Matrices of Abaqus (``.mtx``) and CalculiX (``.sti``, ``.mas``), and what their deck adds."""
+"""Matrices of Abaqus (``.mtx``) and CalculiX (``.sti``, ``.mas``), and the mesh of their deck."""
 
 import io
 import re
@@ -26,9 +26,9 @@ _GEOMETRY = frozenset(("NODE", "SYSTEM", "ELEMENT", "NSET", "ELSET", "SURFACE"))
 
 
 def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet]]:
-    """Read nodes, solids, sets and surfaces; whatever else the deck says is in the matrices.
+    """Read nodes, solids, sets and surfaces of a deck whose other content is in matrices.
 
-    Elements of other kinds, and sets and surfaces that name them, are passed over.
+    Elements of other kinds, and their sets and surfaces, are skipped.
     """
     deck = read_keyword_deck(Path(path))
     supported = (*SOLID_TYPES, *LINE_TYPES)
@@ -53,16 +53,16 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
 
 _ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")
 _DOF = re.compile(rb"\s*(\d{1,15})\.([1-6])\s*")
-# Abaqus writes this on the diagonal of what a boundary condition holds.
+# Abaqus writes this on the diagonal of held degrees of freedom.
 _HELD = 1e36
 
 
 def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
-    """Read a matrix that Abaqus wrote by *MATRIX OUTPUT.
+    """Read a matrix of Abaqus' *MATRIX OUTPUT.
 
     FORMAT=MATRIX INPUT and LABELS have lines of node, component, node, component, value; rows come
     in ascending order of node and component. FORMAT=COORDINATE has row, column, value and no
-    labels. One triangle or both may be there. Rows that a boundary condition holds (1e36 on the
+    labels. One triangle or both may be present. Rows of held degrees of freedom (1e36 on the
     diagonal of a stiffness) are left out.
     """
     table = _numbers(path, name, (3, 5))
@@ -90,7 +90,7 @@ def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
 
 
 def read_calculix_matrix(path: Path, name: str) -> LabelledMatrix:
-    """Read a matrix that CalculiX wrote by *FREQUENCY, SOLVER=MATRIXSTORAGE.
+    """Read a matrix of CalculiX' *FREQUENCY, SOLVER=MATRIXSTORAGE.
 
     Lines are row, column, value of the upper triangle; ``job.dof`` beside it has node.component of
     each row. Without that file the matrix has no labels.
@@ -109,7 +109,7 @@ def read_calculix_matrix(path: Path, name: str) -> LabelledMatrix:
 
 
 def _labels(path: Path) -> Indices:
-    """Node and component (n, 2) of each row."""
+    """Return node and component (n, 2) of each row."""
     labels = []
     for number, line in enumerate(file_bytes(path).splitlines(), start=1):
         match = _DOF.fullmatch(line)
@@ -122,7 +122,7 @@ def _labels(path: Path) -> Indices:
 
 
 def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
-    """Table of a file whose lines all have one of these numbers of fields."""
+    """Return the table of a file whose lines have one of some numbers of fields."""
     data = file_bytes(path)
     if b"*" in data:
         lines = data.splitlines()
@@ -152,7 +152,7 @@ def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
 
 
 def _unreadable_row(path: Path, name: str, data: bytes, widths: tuple[int, ...]) -> FormatError:
-    """Error for the first line that is not a row of finite numbers."""
+    """Return the error for the first line that is not a row of finite numbers."""
     wished = " or ".join(map(str, widths))
     for number, line in enumerate(data.splitlines(), start=1):
         texts = line.replace(b",", b" ").replace(b"D", b"E").replace(b"d", b"E").split()
@@ -160,7 +160,7 @@ def _unreadable_row(path: Path, name: str, data: bytes, widths: tuple[int, ...])
             shown = line.decode("latin-1").strip()[:60]
             message = f"{path}:{number}: matrix {name}: found '{shown}', expected {wished} numbers"
             return FormatError(message)
-    message = f"matrix {name}: '{path}' is no table of {wished} columns; write it again"
+    message = f"matrix {name}: '{path}' is not a table of {wished} columns; write it again"
     return FormatError(message)
 
 
@@ -185,7 +185,7 @@ def _whole(column: Vector, path: Path, name: str) -> Indices:
 def _symmetric(
     rows: Indices, columns: Indices, values: Vector, size: int, path: Path, name: str
 ) -> SparseMatrix:
-    """Return the whole matrix of entries that fill one triangle or both."""
+    """Return the full matrix of entries in one triangle or both."""
     bad = np.flatnonzero((rows < 0) | (columns < 0))
     if bad.size or size > 10 * len(values) + 10:
         entry = int(bad[0]) + 1 if bad.size else int(np.maximum(rows, columns).argmax()) + 1

@@ -1,4 +1,4 @@
-"""``*NODE`` and ``*ELEMENT``: coordinates, and tables of elements by type."""
+"""``*NODE`` and ``*ELEMENT``: coordinates, and elements by type."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ class Nodes:
     coordinates: Matrix
 
     def index(self, ids: Indices, keyword: Keyword, rows: Indices) -> Indices:
-        """Return the indices of nodes; ``rows`` are the data lines they stand on."""
+        """Return the indices of node ids; ``rows`` are their data lines, for messages."""
         index: Indices = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
         wrong = np.flatnonzero(self.ids[index] != ids)
         if wrong.size:
@@ -66,7 +66,7 @@ def read_nodes(deck: Deck) -> Nodes:
 
 
 def located(parts: Sequence[Indices], position: int) -> tuple[int, int]:
-    """Return the part, and the place in it, of a position in all parts joined."""
+    """Return the part, and the position in it, of a position in all parts joined."""
     ends = np.cumsum([len(part) for part in parts])
     part = int(np.searchsorted(ends, position, side="right"))
     return part, position - int(ends[part]) + len(parts[part])
@@ -81,13 +81,13 @@ def _node_block(
     columns, counts = table(keyword).columns(1, 7, f"{expected}, and a normal at most")
     if (counts > 4).any():
         ignored.append(
-            f"{int((counts > 4).sum())} nodes with fields behind their coordinates (the first at "
-            f"{keyword.where(int((counts > 4).argmax()))}): normals there are not taken"
+            f"{int((counts > 4).sum())} nodes with fields after their coordinates (the first at "
+            f"{keyword.where(int((counts > 4).argmax()))}): their normals are not read"
         )
-    # An id alone is a node whose place does not matter, such as that of a pretension section.
+    # Nodes without coordinates have no place, such as nodes of pretension sections.
     short = np.flatnonzero((counts > 1) & (counts < 4))
     if short.size:
-        # Both programs read zeros; a lost coordinate must not pass for one unseen.
+        # Both programs read zeros; a missing coordinate is noted.
         ignored.append(
             f"{len(short)} nodes with fewer than three coordinates (the first at "
             f"{keyword.where(int(short[0]))}): those left out are zero"
@@ -116,14 +116,14 @@ def _cartesian(keyword: Keyword, points: Matrix) -> Matrix:
 
 
 def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
-    """Axes (rows) and origin of local coordinates; without data, back to the basic frame."""
+    """Return axes (rows) and origin of local coordinates; None, the basic frame, without data."""
     rows = keyword.rows()
     if not rows:
         return None
     values = [padded(keyword, i, row, 6, "a coordinate") for i, row in enumerate(rows[:2])]
     origin = values[0][:3]
     x = values[0][3:] - origin
-    # Without a second line z stays and y is perpendicular to it and x.
+    # Without a second line z is unchanged and y is normal to z and x.
     y = values[1][:3] - origin if len(rows) > 1 else np.cross([0.0, 0.0, 1.0], x)
     axes = axes_along(x, y)
     if len(rows) > 2 or axes is None:
@@ -138,7 +138,7 @@ SOLID_TYPES: Mapping[str, SolidElement] = {
     "C3D5": SOLIDS["pyramid5"],
     "C3D13": SOLIDS["pyramid13"],
 }
-"""Pyramids are read only: CalculiX has none."""
+"""Solid elements by type; pyramids are only read, since CalculiX has none."""
 
 LINE_TYPES: Mapping[str, int] = {
     "B31": 2,
@@ -157,7 +157,7 @@ LINE_TYPES: Mapping[str, int] = {
     "DASHPOT1": 1,
     "DASHPOT2": 2,
 }
-"""Nodes of elements that are neither solids nor shells."""
+"""Number of nodes of elements that are neither solids nor shells."""
 
 SHELL_TYPES: Mapping[str, tuple[str, int]] = {
     **dict.fromkeys(("S3", "S3R", "STRI3"), ("tri3", 3)),
@@ -165,20 +165,20 @@ SHELL_TYPES: Mapping[str, tuple[str, int]] = {
     **dict.fromkeys(("S6", "STRI65"), ("tri6", 6)),
     **dict.fromkeys(("S8", "S8R"), ("quad8", 8)),
 }
-"""Kind of shells, and how many nodes they have."""
+"""Kind and number of nodes of shell types."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ElementBlock:
-    """Elements of one *ELEMENT.
+    """The elements of an *ELEMENT keyword.
 
     Attributes
     ----------
     type
-        As in the deck, upper case.
+        Type as in the deck, upper case.
     ids : (n_element,)
     nodes : (n_element, n_node_per_element)
-        Indices of nodes, solids in our order.
+        Node indices; solids in the node order of faying.
     rows : (n_element,)
         Data line of each element.
     """
@@ -192,17 +192,17 @@ class ElementBlock:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Elements:
-    """All elements: solids, and others by type."""
+    """The elements of a deck: solids, and others by type."""
 
     solids: tuple[ElementBlock, ...]
     others: Mapping[str, tuple[ElementBlock, ...]]
 
     def of(self, *types: str) -> list[ElementBlock]:
-        """Return the blocks of elements that are no solids."""
+        """Return the blocks of types other than solids."""
         return [block for name in types for block in self.others.get(name, ())]
 
     def without(self, ids: Indices) -> "Elements":
-        """Return all elements but these; blocks that nothing remains of are gone."""
+        """Return the elements without some ids and without empty blocks."""
 
         def kept(blocks: tuple[ElementBlock, ...]) -> tuple[ElementBlock, ...]:
             masks = [~np.isin(block.ids, ids) for block in blocks]
@@ -231,8 +231,8 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
     for keyword in deck.of("ELEMENT"):
         if keyword.has("DLOAD"):
             keyword.refuse(
-                "shells that only carry loads (DLOAD) onto the solids beneath them are not "
-                "supported; press on faces of solids, by *DSLOAD or P1 … P6 of *DLOAD"
+                "shells that only transfer loads (DLOAD) to the solids beneath them are not "
+                "supported; load faces of solids by *DSLOAD or P1 … P6 of *DLOAD"
             )
         block = _block(keyword, nodes, deck.ignored)
         if block.type in SOLID_TYPES:
@@ -268,7 +268,7 @@ def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
     fields = table(keyword)
     cropped = fields.cropped(width)
     if cropped is not fields:
-        ignored.append(f"fields behind the {size} nodes of {kind}, which CalculiX passes over too")
+        ignored.append(f"fields after the {size} nodes of {kind}, which CalculiX ignores too")
     texts, rows = cropped.records(width, f"an id and {size} nodes for each {kind}")
     flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
     values = flat.reshape(-1, width)
@@ -293,20 +293,20 @@ def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
 
 
 def _check_own_nodes(block: ElementBlock) -> None:
-    """Refuse elements that name a node twice."""
+    """Refuse elements that have a node twice."""
     ordered = np.sort(block.nodes, axis=1)
     twice = np.flatnonzero((np.diff(ordered, axis=1) == 0).any(axis=1))
     if twice.size:
         first = int(twice[0])
         block.keyword.refuse(
-            f"element {block.ids[first]} names a node twice; collapsed elements are not "
+            f"element {block.ids[first]} has a node twice; collapsed elements are not "
             "supported, use a wedge or a tetrahedron",
             int(block.rows[first]),
         )
 
 
 def _repeated(parts: Sequence[Indices]) -> Iterator[tuple[int, int]]:
-    """Yield part and place of each id that is there already."""
+    """Yield part and position of each repeated id."""
     ids = np.concatenate([np.empty(0, dtype=np.int64), *parts])
     order = np.argsort(ids, kind="stable")
     again = np.flatnonzero(np.diff(ids[order]) == 0)

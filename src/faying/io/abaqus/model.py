@@ -1,4 +1,4 @@
-"""All families of keywords together: a deck as an assembly, and what belongs to it."""
+"""A deck as an assembly with its interfaces and bolts."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -76,7 +76,7 @@ from faying.model.mesh import Mesh
 
 
 def description(deck: Deck) -> JointDescription:
-    """Read everything a deck says in the step it has been cut to."""
+    """Return the description of a deck in its last step."""
     ignored = deck.ignored
     deck = materials.without_unused(without_temperatures(deck))
     check_supported(deck)
@@ -160,8 +160,8 @@ def description(deck: Deck) -> JointDescription:
     if len(general) < len(forces):
         thermal[-1] = thermal[-1] - thermal[-2]
         ignored.append(
-            f"step {deck.n_step} is a linear perturbation: its load is its own alone; contact "
-            "opens and closes here as loads of a study say, not as the steps before left it"
+            f"step {deck.n_step} is a linear perturbation: only its own loads act; contact "
+            "opens and closes here under the loads of a study, and is not fixed by earlier steps"
         )
     loads = _loads(deck, concentrated, distributed, thermal, moving)
     assembly = replace(
@@ -199,7 +199,7 @@ def description(deck: Deck) -> JointDescription:
 def _cut(
     data: DeckData, mesh: Mesh, sections: list[pretension.Section], shells: Shells
 ) -> tuple[Mesh, list[Cut]]:
-    """Cut the solids at pretension sections; surfaces are read again on the result."""
+    """Return the mesh cut at pretension sections, and the cuts; surfaces are read again on it."""
     through_solids = [section for section in sections if section.element is None]
     cuts = []
     for section in through_solids:
@@ -209,14 +209,14 @@ def _cut(
         cuts.append(cut)
     if cuts:
         data.deck.ignored.append(
-            "solids are cut at *PRE-TENSION SECTION: name the sides of interfaces, for minus = "
+            "solids are cut at *PRE-TENSION SECTION: name the sides of interfaces, because minus = "
             '"auto" would find the cuts too'
         )
     data.deck.ignored.extend(
         f"*PRE-TENSION SECTION {cut.name}: {cut.touching} elements of the side that "
-        "owns the surface touch it with an edge or a corner only; they are parted from the other "
-        "side like all, where CalculiX 2.20 leaves them on both, so that its bolt is tightened "
-        "less and stays stiffer; a section through bricks has none"
+        "owns the surface touch it only with an edge or a corner; they are cut from the other "
+        "side, where CalculiX 2.20 leaves them on both, so that its bolt is tightened "
+        "less and is stiffer; sections through bricks have no such elements"
         for cut in cuts
         if cut.touching
     )
@@ -224,7 +224,7 @@ def _cut(
 
 
 def _tied(data: DeckData, assembly: Assembly, couplings: Couplings) -> Assembly:
-    """Add couplings and equations."""
+    """Return the assembly with couplings and equations."""
     more, links = read_mpcs(data)
     average, turned = couplings.average, couplings.turned
     equations = [
@@ -252,7 +252,7 @@ def _tied(data: DeckData, assembly: Assembly, couplings: Couplings) -> Assembly:
 
 
 def check_supported(deck: Deck) -> None:
-    """Refuse keywords and elements that may change the structure; note what is left out."""
+    """Refuse unsupported keywords and elements that may change the structure; note others."""
     unread: dict[str, list[Keyword]] = {}
     for keyword in deck.keywords:
         name = _unread_name(keyword)
@@ -270,7 +270,7 @@ def check_supported(deck: Deck) -> None:
 
 
 def _unread_name(keyword: Keyword) -> str:
-    """Return what a keyword that is not read is called where it is handled; else nothing."""
+    """Return the name under which an unread keyword is handled; empty for a read one."""
     if keyword.name == "ELEMENT":
         kind = keyword.choice("TYPE")
         supported = not kind or kind in {*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES}
@@ -289,7 +289,7 @@ def _loads(
     concentrated: Iterable[Matrix],
     *others: Iterable[Matrix],
 ) -> dict[str, NodalLoads]:
-    """Return the loads in force in every step up to the chosen one, that one first."""
+    """Return the loads in force in every step up to the chosen one, which comes first."""
     steps = {keyword.step for keyword in deck.of("STEP")} | {deck.n_step}
     loads = {}
     for step, (applied, *further) in enumerate(zip(concentrated, *others, strict=True)):

@@ -1,4 +1,4 @@
-"""``*MODEL CHANGE`` of the first step: elements and contact pairs that are never there."""
+"""``*MODEL CHANGE`` of the first step: elements and contact pairs that are removed."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,9 +13,9 @@ from faying.io.abaqus.keyword import Keyword
 
 
 def is_from_the_start(keyword: Keyword) -> bool:
-    """Whether a *MODEL CHANGE says what the structure is in all steps.
+    """Return whether a *MODEL CHANGE applies to all steps.
 
-    What the first step removes has not been loaded, and contact that it adds is there anyway.
+    Elements removed in the first step were never loaded, and contact it adds exists anyway.
     """
     if keyword.name != "MODEL CHANGE" or keyword.step != 1:
         return False
@@ -24,7 +24,7 @@ def is_from_the_start(keyword: Keyword) -> bool:
 
 
 def without_removed(data: DeckData) -> DeckData:
-    """Return the deck's elements and sets without what *MODEL CHANGE, TYPE=ELEMENT removes."""
+    """Return the data without elements that *MODEL CHANGE, TYPE=ELEMENT removes."""
     deck, elements, sets = data.deck, data.elements, data.element_sets
     parts: list[Indices] = []
     all_ids = np.concatenate([block.ids for block in elements.blocks])
@@ -42,14 +42,14 @@ def without_removed(data: DeckData) -> DeckData:
     if not parts:
         return data
     gone = np.unique(np.concatenate(parts))
-    deck.ignored.append(f"*MODEL CHANGE in step 1: {len(gone)} elements are not there, in no step")
+    deck.ignored.append(f"*MODEL CHANGE in step 1: {len(gone)} elements are removed in all steps")
     left = {name: np.setdiff1d(ids, gone) for name, ids in sets.ids.items()}
     remaining = replace(sets, ids=left, absent=gone)
     return replace(data, elements=elements.without(gone), element_sets=remaining)
 
 
 def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list[Pair]]:
-    """Return the contact pairs that *MODEL CHANGE, TYPE=CONTACT PAIR leaves, and their deck."""
+    """Return deck and contact pairs without those that *MODEL CHANGE removes."""
     remaining = list(pairs)
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") != "ELEMENT"
@@ -61,8 +61,8 @@ def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list
             if keyword.has("REMOVE"):
                 remaining = [pair for pair in remaining if pair not in named]
                 deck.ignored.append(
-                    f"*MODEL CHANGE in step 1: the contact pair {', '.join(fields)} is not there, "
-                    "in no step"
+                    f"*MODEL CHANGE in step 1: the contact pair {', '.join(fields)} is removed "
+                    "in all steps"
                 )
     gone = [pair for pair in pairs if pair not in remaining]
     left = [

@@ -21,20 +21,20 @@ from faying.model.specs import BoltSpec
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A pretension section: what it cuts and the node that carries its force.
+    """A pretension section with its surface or beam, and the node of its force.
 
     Attributes
     ----------
     node
         Index of the pretension node.
     element
-        Id of the beam it cuts; None for a cut through solids.
+        Id of the cut beam; None for a cut through solids.
     surface
-        Name of the surface it cuts solids at; empty for a beam.
+        Name of the surface at which solids are cut; empty for a beam.
     direction : (3,)
         Normal given on the data line, if any.
     sense
-        1 where a positive force pulls, -1 where it presses.
+        1 where a positive force is tension, -1 where it is compression.
     """
 
     keyword: Keyword
@@ -71,14 +71,14 @@ def read_sections(data: DeckData) -> list[Section]:
         if any(section.node == node for section in sections):
             keyword.refuse(
                 f"the pretension node {keyword.value('NODE')} belongs to another section too, "
-                "which would share its force; give each section a node of its own"
+                "which would share its force; give each section a separate node"
             )
         direction, element, sense = _direction(keyword), None, 1.0
         if keyword.has("ELEMENT"):
             element, axis = _beam(keyword, data)
             sense = float(np.sign(np.dot(direction, axis))) if direction else 1.0
             if sense == 0.0:
-                keyword.refuse("the direction is zero or lies across the beam; give the beam's", 0)
+                keyword.refuse("the direction is zero or normal to the beam; give the beam's", 0)
         surface = keyword.value("SURFACE")
         label = keyword.value("NODE")
         plain = surface or (f"bolt {element}" if is_integer(label) else label)
@@ -108,7 +108,7 @@ def _direction(keyword: Keyword) -> tuple[float, ...] | None:
 
 
 def _beam(keyword: Keyword, data: DeckData) -> tuple[int, Vector]:
-    """Return the id of a beam, and the vector from its first node to its last."""
+    """Return the id of the beam, and the vector from its first node to its last."""
     members = data.element_sets.members(keyword, keyword.required("ELEMENT"))
     blocks = data.elements.of(*TYPES)
     ends = [tuple(ends) for block in blocks for ends in block.nodes[np.isin(block.ids, members)]]
@@ -119,7 +119,7 @@ def _beam(keyword: Keyword, data: DeckData) -> tuple[int, Vector]:
 
 
 def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
-    """Return all bolts; ``springs`` are the ids of the springs that close cuts, in order."""
+    """Return all bolts; ``springs`` are the ids of the springs across cuts, in order."""
     closing = iter(springs)
     return tuple(
         BoltSpec(
@@ -136,10 +136,10 @@ def preloads(
     holds: Boundary,
     data: DeckData,
 ) -> dict[str, float]:
-    """Return the force of each bolt: the *CLOAD on its pretension node.
+    """Return the preload of each bolt: the *CLOAD on its pretension node.
 
-    Forces are those in force in each step, from 0 to the one that is read. A node that is displaced
-    has none, which is told.
+    ``forces`` are in force in each step, from 0 to the last. A bolt whose node is displaced
+    has none, with a note.
     """
     bolt_forces = {}
     for section in sections:
@@ -149,7 +149,7 @@ def preloads(
                 data.deck.ignored.append(
                     f"*CLOAD on the pretension node {data.nodes.ids[section.node]}: *BOUNDARY "
                     f"without FIXED holds the node at {displacement:g} in the step that is read, "
-                    "whatever force came before it; FIXED would lock the bolt as the force left it"
+                    "whatever the force before; FIXED would lock the bolt under that force"
                 )
             continue
         last = holds.since.get(section.node, len(forces)) - 1
@@ -157,7 +157,7 @@ def preloads(
         value = None if force is None else force * section.sense + 0.0
         if value is None or not value >= 0:
             problem = "has no force" if value is None else f"has the compressive force {value:g}"
-            when = f"at the end of step {last}" if last > 0 else "in front of the first step"
+            when = f"at the end of step {last}" if last > 0 else "before the first step"
             section.keyword.refuse(
                 f"the section '{section.name}' {problem} {when}, where it is "
                 f"{'locked' if section.node in holds.since else 'read'}; give its pretension node "
@@ -176,27 +176,27 @@ def unlocked(
     step: int,
     ignored: list[str],
 ) -> frozenset[str]:
-    """Return the bolts whose force *CLOAD keeps under the loads of the step, and say so.
+    """Return the bolts whose force *CLOAD maintains under the loads of the step, with a note.
 
-    Where nothing but bolts acts in the step, the deck only tightens them: loads of a study come
-    after it, and the bolts are locked then. Bolts locked by FIXED while loads act are told.
+    If only bolts act in the step, the deck just tightens them: loads of a study come
+    after it, with locked bolts. Bolts locked by FIXED while loads act are noted.
     """
     free = frozenset(section.name for section in sections if section.node not in holds.since)
     names = ", ".join(f"'{name}'" for name in sorted(free))
     if free and step_name(step) not in loads:
         ignored.append(
-            f"bolts {names}: no *BOUNDARY, FIXED locks them and nothing but bolts "
-            f"acts in step {step}; they are locked after it, for loads of a study"
+            f"bolts {names}: no *BOUNDARY, FIXED locks them and only bolts "
+            f"act in step {step}; they are locked after it, for loads of a study"
         )
         return frozenset()
     if free:
         ignored.append(
-            f"bolts {names}: no *BOUNDARY, FIXED locks them; each pulls with its *CLOAD whatever "
-            "load acts, as in the deck; a [[bolt]] with preload = its force locks it"
+            f"bolts {names}: no *BOUNDARY, FIXED locks them; each has its *CLOAD under any "
+            "load, as in the deck; a [[bolt]] with preload = its force locks it"
         )
     ignored.extend(
         f"bolt '{section.name}': FIXED locks it while the loads of step {last} act; its force "
-        f"{preloads[section.name]:g} is that without them here, and with them in the deck"
+        f"{preloads[section.name]:g} is without these loads here, and with them in the deck"
         for section in sections
         if (last := holds.since.get(section.node, 0) - 1) > 0
         and section.name in preloads
@@ -206,7 +206,7 @@ def unlocked(
 
 
 def step_name(step: int) -> str:
-    """Return what the loads of a step are called."""
+    """Return the name of the loads of a step."""
     return f"step {step}"
 
 
@@ -216,10 +216,10 @@ def initial_forces(
     displacements: Mapping[int, float],
     assembly: Assembly,
 ) -> dict[str, float]:
-    """Return the forces of bolts whose pretension node is displaced, if nothing gave way.
+    """Return the initial forces of bolts whose pretension node is displaced.
 
-    A bolt that is shortened by a displacement has that times its stiffness as initial force.
-    Displacements are those of pretension nodes, not a number where its force had left it.
+    The initial force is the displacement times the axial stiffness of the bolt.
+    Displacements are given by pretension node, NaN where a force determines it.
     """
     forces = {}
     for section, bolt in zip(sections, bolts, strict=True):
@@ -228,7 +228,7 @@ def initial_forces(
             continue
         if closed < 0:
             section.keyword.refuse(
-                f"the section '{section.name}' is pressed apart by the displacement {closed:g} of "
+                f"the section '{section.name}' is compressed by the displacement {closed:g} of "
                 "its pretension node; give one that is positive for tension along the direction of "
                 "the section, or a *CLOAD"
             )

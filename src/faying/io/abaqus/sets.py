@@ -1,4 +1,4 @@
-"""``*NSET`` and ``*ELSET``, and the sets that ``*NODE`` and ``*ELEMENT`` name on their way."""
+"""Sets of ``*NSET`` and ``*ELSET``, and of the parameters of ``*NODE`` and ``*ELEMENT``."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,20 +14,20 @@ from faying.io.abaqus.mesh import ElementBlock, Elements, Nodes, located
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NamedSets:
-    """Sets of node or element ids, found without regard to case.
+    """Sets of node or element ids, with case-insensitive names.
 
     Attributes
     ----------
     what
         ``"node set"`` or ``"element set"``.
     ids
-        Upper-case name to sorted ids.
+        Sorted ids by upper-case name.
     names
-        Upper-case name to the name as first written.
+        Names as first written by upper-case name.
     offsets
-        Upper-case instance name to what its ids are raised by.
+        Offset of the ids of each instance, by upper-case name.
     absent : (n,)
-        Ids that the deck defines and then removes.
+        Ids that the deck defines and later removes.
     """
 
     what: str
@@ -41,11 +41,11 @@ class NamedSets:
         return named(keyword, label, self.ids, self.what, row)
 
     def indices(self, nodes: Nodes) -> dict[str, Indices]:
-        """Return node sets as indices, by name as first written."""
+        """Return node indices by name of the set as first written."""
         return {self.names[key]: np.searchsorted(nodes.ids, i) for key, i in self.ids.items()}
 
     def members(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
-        """Return the ids a data field stands for: one id, ``instance.id``, or a set."""
+        """Return the ids of a data field: an id, ``instance.id``, or a set."""
         if is_integer(label):
             return np.setdiff1d([int(label) + keyword.scope.offset], self.absent)
         instance, _, number = label.rpartition(".")
@@ -56,14 +56,14 @@ class NamedSets:
 
 @dataclass(eq=False, kw_only=True)
 class _Builder:
-    """Collects ids of sets, and names inside sets, looked up at the end: they come in any order."""
+    """Builder of sets, whose nested names are resolved at the end, since any order is allowed."""
 
     what: str
     parts: dict[str, list[Indices | tuple[Keyword, int, str]]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
 
     def open(self, keyword: Keyword, label: str) -> list[Indices | tuple[Keyword, int, str]]:
-        """Return the parts of a set, to which its keyword adds."""
+        """Return the list of parts of a set, to which its keyword adds."""
         plain = label.strip("\"' ")
         name = f"{keyword.scope.name}.{plain}" if keyword.scope.name else plain
         self.names.setdefault(name.upper(), name)
@@ -94,7 +94,7 @@ class _Builder:
 
 
 def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
-    """Read all element sets; ids must be those of elements."""
+    """Read all element sets; refuse unknown element ids."""
     builder = _Builder(what="element set")
     blocks = {id(block.keyword): block for block in elements.blocks}
     element_ids = np.sort(np.concatenate([block.ids for block in elements.blocks]))
@@ -112,7 +112,7 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
 
 
 def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedSets) -> NamedSets:
-    """Read all node sets; ids must be those of nodes."""
+    """Read all node sets; refuse unknown node ids."""
     builder = _Builder(what="node set")
     for keyword in deck.of("NODE", "NSET"):
         if keyword.name == "NODE":
@@ -123,7 +123,7 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
                 ids = integers(fields.texts[first], keyword, fields.row[first], "a node id")
                 parts.append(ids + keyword.scope.offset)
             continue
-        # FREQUENCY is one of output, which CalculiX passes over here.
+        # FREQUENCY belongs to output and is ignored by CalculiX here.
         parts = builder.open(keyword, keyword.required("NSET"))
         ids, rows = _explicit(keyword, parts, deck, nodes.ids)
         _check_known(ids, rows, nodes.ids, keyword, "node")
@@ -141,7 +141,7 @@ def _explicit(
     deck: Deck,
     known_ids: Indices,
 ) -> tuple[Indices, Indices]:
-    """Ids written out or generated, with the data line of each; names go to the parts."""
+    """Return written or generated ids with their data lines; names are added to the parts."""
     name = keyword.required("INSTANCE") if keyword.has("INSTANCE") else ""
     offset = named(keyword, name, deck.offsets, "instance") if name else keyword.scope.offset
     fields = table(keyword)
@@ -166,7 +166,7 @@ def _explicit(
 def _generated(
     keyword: Keyword, fields: Table, known_ids: Indices, offset: int
 ) -> tuple[Indices, Indices]:
-    """Ids from first to last; between them, both programs pass over ids that do not exist."""
+    """Return the existing ids of ranges, since both programs skip missing ids, with data lines."""
     columns, counts = fields.columns(2, 3, "first, last, increment")
     rows = np.arange(len(counts), dtype=np.int64)
     first = integers(columns[0], keyword, rows, "the first id")
@@ -178,7 +178,7 @@ def _generated(
     if wrong.size:
         bad = int(wrong[0])
         keyword.refuse(
-            f"{first[bad]} to {last[bad]} in steps of {step[bad]} does not work out; the last id "
+            f"{first[bad]} to {last[bad]} in steps of {step[bad]} is not a range; the last id "
             "must be reached from the first",
             bad,
         )
@@ -216,9 +216,9 @@ def section_numbers(
     sets: NamedSets,
     ignored: list[str],
 ) -> list[Indices]:
-    """Return which keyword each element (n_element,) of each block is in the ELSET of, from 0.
+    """Return the number of the keyword, from 0, for each element (n_element,) of each block.
 
-    Of several the last counts. All are called ``name`` where an element has none.
+    An element gets the last keyword whose ELSET has it; ``name`` is for messages.
     """
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(block.ids for block in blocks)])
     numbers = np.full(len(ids), -1)
@@ -228,7 +228,7 @@ def section_numbers(
         if again.size:
             ignored.append(
                 f"{keyword.where()}: *{keyword.name} of {len(again)} elements (the first "
-                f"{again[0]}) that have one already: the last counts, as in CalculiX; Abaqus "
+                f"{again[0]}) that have one already: the last one applies, as in CalculiX; Abaqus "
                 "refuses such a deck"
             )
         numbers[chosen] = number

@@ -1,4 +1,4 @@
-"""``*SHELL SECTION``: shells of one isotropic layer, with six degrees of freedom a node."""
+"""``*SHELL SECTION``: shells of one isotropic layer, with six degrees of freedom per node."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,23 +18,23 @@ from faying.model.shells import ShellBlock, ShellSection, plane_stress
 from faying.model.surface import WIDTH, padded
 
 _SHEAR_FACTOR = 5 / 6
-"""Shear area over thickness of one layer, for the work of a parabola of shear stress."""
+"""Shear area over thickness of one layer, for parabolic shear stress."""
 _SIDES = {"SPOS": 0.5, "SNEG": -0.5}
-"""Named offsets of the nodes from the middle of the shell, over its thickness."""
+"""Named offsets of the nodes from the mid-surface, over the thickness."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Shells:
-    """Shells of a deck, their sections by number, and the thickness of each section."""
+    """The shells of a deck, with sections and thicknesses by section number."""
 
     blocks: tuple[ShellBlock, ...] = ()
     sections: Mapping[int, ShellSection] = field(default_factory=dict)
     thicknesses: Mapping[int, float] = field(default_factory=dict)
 
     def facets(self, ids: Indices, side: float) -> tuple[Indices, Vector]:
-        """Return the facets (n, 8) of a side of shells, and how far it lies off their nodes.
+        """Return the facets (n, 8) of a side of shells, and its distance from their nodes.
 
-        The side is 1 where the normal points, -1 on the other one.
+        ``side`` is 1 along the normal, -1 against it.
         """
         tables, heights = [np.empty((0, WIDTH), dtype=np.int64)], [np.empty(0)]
         for block in self.blocks:
@@ -47,7 +47,7 @@ class Shells:
 
 
 def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:
-    """Read all shells; their sections are numbered behind those of solids and beams."""
+    """Read all shells; their sections are numbered after those of solids and beams."""
     deck, sets = data.deck, data.element_sets
     all_blocks = data.elements.of(*SHELL_TYPES)
     if not all_blocks:
@@ -59,7 +59,7 @@ def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:
         for keyword in keywords
         for fields in [only_line(keyword, range(1, 9), "the thickness")]
     ]
-    # Theirs is that of the nodes from the middle, ours that of the middle from the nodes.
+    # The deck offsets nodes from the mid-surface, faying the mid-surface from nodes.
     offsets = np.array([-_offset(k) * t for k, t in zip(keywords, thicknesses, strict=True)])
     numbers = section_numbers("SHELL SECTION", keywords, all_blocks, sets, deck.ignored)
     blocks = tuple(
@@ -75,7 +75,7 @@ def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:
     )
     deck.ignored.append(
         f"{sum(map(len, numbers))} shells: surfaces with rotations at their nodes, as in Abaqus, "
-        "with a drilling stiffness, shear and mass of their own; CalculiX makes solids of them, "
+        "with faying's drilling stiffness, shear and mass; CalculiX expands them to solids, "
         "which differ where shells are thick, coarse or joined at angles"
     )
     sections = [

@@ -24,9 +24,9 @@ from faying.model.elastic_law import turned
 def distributed_axes(
     deck: Deck, keyword: Keyword, sets: NamedSets
 ) -> tuple[Matrix, list[tuple[Indices, Matrix]]]:
-    """Return the axes (3, 3) that the ORIENTATION of a keyword names, as rows in the basic frame.
+    """Return the axes (3, 3) of the ORIENTATION of a keyword, as rows in the basic frame.
 
-    Also returned are the ids of elements with others by a *DISTRIBUTION, and those.
+    Also return ids and axes of elements with other axes by a *DISTRIBUTION.
     """
     orientation = _find(deck, keyword)
     rows = orientation.rows()
@@ -37,7 +37,7 @@ def distributed_axes(
     default, *others = tables[-1].rows()
     if len(rows) > 1 or not default or default[0]:
         tables[-1].refuse(
-            "expected a first line without an element, and no turn behind the distribution"
+            "expected a first line without an element, and no rotation after the distribution"
         )
     return _spanned(tables[-1], 0, default[1:]), [
         (sets.members(tables[-1], row[0], i), _spanned(tables[-1], i, row[1:]))
@@ -46,9 +46,9 @@ def distributed_axes(
 
 
 def orientation_at(deck: Deck, keyword: Keyword, points: Matrix) -> Matrix:
-    """Return the axes (n, 3, 3) that the ORIENTATION of a keyword names at points (n, 3), as rows.
+    """Return the axes (n, 3, 3) of the ORIENTATION of a keyword at points (n, 3), as rows.
 
-    Those of a cylindrical one are radial, tangential and axial.
+    Axes of a cylindrical orientation are radial, tangential and axial.
     """
     orientation = _find(deck, keyword)
     if orientation.choice("SYSTEM") not in ("C", "CYLINDRICAL"):
@@ -72,14 +72,14 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix) -> Matrix:
         lengths[on_axis] = 1.0
         deck.ignored.append(
             f"{int(on_axis.sum())} nodes on the axis of *ORIENTATION {orientation.value('NAME')}: "
-            "any direction across it is radial there; the one of CalculiX is taken"
+            "any direction normal to it is radial there; that of CalculiX is used"
         )
     radial = radial / lengths[:, None]
     return np.stack([radial, np.cross(axis, radial), np.broadcast_to(axis, radial.shape)], axis=1)
 
 
 def _across(axis: Vector) -> Vector:
-    """Return the direction across an axis that CalculiX takes for radial on it."""
+    """Return the direction that CalculiX uses as radial on an axis."""
     if abs(axis[0]) > SOLVED:
         radial = np.array([-axis[1] / axis[0], 1.0, 0.0])
     elif abs(axis[1]) > SOLVED:
@@ -108,7 +108,7 @@ def _axes(keyword: Keyword) -> Matrix:
 
 
 def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Matrix:
-    """Return the axes (3, 3) of points a and b, and an origin behind them."""
+    """Return the axes (3, 3) of points a and b, and of an origin after them if given."""
     values = padded(keyword, row, fields, 9, "a coordinate")
     axes = axes_along(values[:3] - values[6:], values[3:6] - values[6:])
     if axes is None:
@@ -117,7 +117,7 @@ def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Matrix:
 
 
 def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:
-    """Turn two of the axes about the third."""
+    """Return axes rotated about one of them."""
     about = integer(keyword, 1, row[0], "an axis 1, 2 or 3") - 1
     if len(row) != 2 or about not in (0, 1, 2):
         keyword.refuse("expected an axis, 1, 2 or 3, and an angle in degrees", 1)
@@ -126,7 +126,7 @@ def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:
 
 
 def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Material:
-    """Return the material the section of a beam, truss or shell names."""
+    """Return the material of the section of a beam, truss or shell."""
     material = find_material(materials, keyword)
     if material.law is not None:
         keyword.refuse(
@@ -137,14 +137,14 @@ def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Mater
 
 
 def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Material:
-    """Return the material a section names."""
+    """Return the material of a section."""
     return named(keyword, keyword.required("MATERIAL"), materials, "material")
 
 
 def read_solid_sections(
     data: DeckData, materials: Mapping[str, Material]
 ) -> tuple[tuple[CellBlock, ...], dict[int, Material]]:
-    """Return blocks of cells, whose properties number the sections from 1, and their materials."""
+    """Return blocks of cells, with section numbers from 1 as properties, and their materials."""
     deck, elements, sets = data.deck, data.elements, data.element_sets
     sections = deck.of("SOLID SECTION")
     numbers = section_numbers("SOLID SECTION", sections, elements.solids, sets, deck.ignored)
@@ -170,7 +170,7 @@ def read_solid_sections(
         if used[number].law is not None and (chosen & reduced).any():
             keyword.refuse(
                 f"material '{used[number].name}' is anisotropic; the hourglass stiffness of C3D8R "
-                "is isotropic, take C3D8I"
+                "is isotropic; use C3D8I"
             )
     return tuple(cells(elements.solids, section, _reduced(deck))), used
 
@@ -180,22 +180,22 @@ def _hourglasses(block: ElementBlock) -> bool:
 
 
 def is_of_abaqus(deck: Deck) -> bool:
-    """Whether only Abaqus reads a deck: it has instances, or keywords that CalculiX has not."""
+    """Return whether a deck is for Abaqus only: it has instances, or keywords of Abaqus."""
     return bool(deck.of("PREPRINT")) or any(k.scope.name for k in deck.of("NODE"))
 
 
 def _reduced(deck: Deck) -> str:
-    """Return the formulation of C3D8R, by the program the deck is of."""
+    """Return the formulation of C3D8R in the program of the deck."""
     return "reduced-abaqus" if is_of_abaqus(deck) else "reduced"
 
 
 def cells(
     blocks: Sequence[ElementBlock], section: Indices, reduced: str = "reduced"
 ) -> list[CellBlock]:
-    """Return solids as blocks of a mesh; ``section`` are the properties of all, in order.
+    """Return solids as blocks of a mesh; ``section`` (n_element,) has their properties.
 
-    Bricks of eight nodes have a formulation of their own only where the deck mixes them;
-    ``reduced`` is that of C3D8R.
+    Blocks of eight-node bricks have a formulation only where the deck mixes several;
+    ``reduced`` is the formulation of C3D8R.
     """
     cell_blocks, start = [], 0
     mixed = len({block.type for block in blocks if _is_hex8(block.type)}) > 1
@@ -219,7 +219,7 @@ def cells(
 
 
 def note_controls(deck: Deck, blocks: Sequence[ElementBlock]) -> None:
-    """Say what *SECTION CONTROLS would change in the solids of a deck."""
+    """Note the effect that *SECTION CONTROLS would have on the solids of a deck."""
     reduced = any(_hourglasses(block) for block in blocks)
     for keyword in deck.of("SECTION CONTROLS"):
         kind = keyword.choice("HOURGLASS", "STIFFNESS")
@@ -230,26 +230,26 @@ def note_controls(deck: Deck, blocks: Sequence[ElementBlock]) -> None:
             deck.ignored.append(f"{head}{_ENHANCED}")
         else:
             deck.ignored.append(
-                f"{head}hourglass control {kind} and its factors are not taken; C3D8R has the "
-                "default of its program, which few layers in bending feel"
+                f"{head}hourglass control {kind} and its factors are not read; C3D8R has the "
+                "default of its program, which matters for few layers in bending"
             )
 
 
 _OF_ABAQUS = (
-    "uniform strain with the hourglass stiffness that Abaqus 2023 showed on one model, a fifth of "
+    "uniform strain with the hourglass stiffness of Abaqus 2023 on one model, a fifth of "
     "that of CalculiX 2.20, which decks without *PREPRINT and instances get: bending of few layers "
     "differs"
 )
 _ENHANCED = (
-    "hourglass control ENHANCED is not taken: it lets C3D8R bend nearly as C3D8I; here they have "
-    "the default of their program, with which a strip of cubes, 20 thicknesses long, gives way 28 "
+    "hourglass control ENHANCED is not read: with it C3D8R bends nearly as C3D8I; here it has "
+    "the default of its program, with which a strip of cubes, 20 thicknesses long, deflects 28 "
     "times as much as a beam in one layer (139 in decks of Abaqus), 1.30 times in two, 1.11 in "
-    "three, 1.05 in four; take C3D8I (0.999 times)"
+    "three, 1.05 in four; use C3D8I (0.999 times)"
 )
 
 
 def formulation(deck: Deck, blocks: Sequence[ElementBlock]) -> str:
-    """Return the formulation of eight-node bricks, and say what differs from the deck."""
+    """Return the formulation of eight-node bricks, and note differences from the deck."""
     counts: dict[str, int] = {}
     for block in blocks:
         counts[block.type] = counts.get(block.type, 0) + len(block.ids)

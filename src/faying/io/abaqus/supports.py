@@ -24,25 +24,25 @@ TYPES = {
 }
 
 Holds = dict[Place, tuple[float, Keyword, int]]
-"""Node and component of the deck to value, keyword and data line."""
+"""Value, keyword and data line by node and component of the deck."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Boundary:
-    """What *BOUNDARY holds in the step the deck has been cut to.
+    """Boundary conditions of *BOUNDARY up to the last step of a deck.
 
     Attributes
     ----------
     supports
-        What is held at zero in all steps.
+        Degrees of freedom held at zero in all steps.
     moved
-        Node and component of what is moved in some step to its displacement at the end of each,
-        from 0.
+        Displacements at the end of each step, from 0, by node and component of degrees of
+        freedom that move.
     pretension
-        Pretension nodes that are held to where they are held, not a number where their force had
-        left them.
+        Displacements of held pretension nodes; NaN where a force determined the
+        displacement.
     since
-        Pretension nodes that are held to the first of the steps in which they are.
+        First step in which each pretension node is held.
     """
 
     supports: tuple[Support, ...]
@@ -52,10 +52,10 @@ class Boundary:
 
 
 def read_supports(data: DeckData, apart: frozenset[int], amplitudes: Amplitudes) -> Boundary:
-    """Return what is held in the step the deck has been cut to, and how it moves.
+    """Return the boundary conditions up to the last step of a deck.
 
-    ``apart`` are nodes of pretension sections, whose boundary conditions lock a bolt or say how far
-    its section is closed.
+    ``apart`` are nodes of pretension sections, whose boundary conditions lock a bolt or give the
+    shortening of its section.
     """
     deck = data.deck
     courses: dict[Place, list[float]] = {}
@@ -98,9 +98,9 @@ def _after(
     data: DeckData,
     apart: frozenset[int],
 ) -> Holds:
-    """Return what is held in a step, given what was held in the one before, and where it left it.
+    """Return the held degrees of freedom of a step from those of the step before.
 
-    What FIXED holds that was not held before is not a number: it is where a force left it.
+    The value is NaN where FIXED holds a degree of freedom at a displacement by a force.
     """
     holds = dict(holds)
     for keyword in (item for item in data.deck.of("BOUNDARY") if item.step == step):
@@ -118,8 +118,8 @@ def _after(
         holds |= new
         if keyword.has("FIXED") and any(node not in apart for node, _ in new):
             keyword.refuse(
-                "FIXED holds nodes where the step before left them, which is known for pretension "
-                "nodes only; give displacements, or take an earlier step (subcase in the study)"
+                "FIXED holds nodes at their last displacement, which is known only for pretension "
+                "nodes; give displacements, or choose an earlier step (subcase in the study)"
             )
     return holds
 
@@ -127,7 +127,7 @@ def _after(
 def _line(
     keyword: Keyword, row: int, fields: list[str], data: DeckData, cold: bool
 ) -> Iterator[tuple[Place, float]]:
-    """Read a line; of temperatures (11, 0) nothing where they are left out."""
+    """Yield degrees of freedom and values of a line, without temperatures (11, 0) if ``cold``."""
     expected = "node or node set, first and last degree of freedom, value"
     check_count(keyword, row, fields, range(2, 5), expected)
     if cold and fields[1] in ("0", "11"):
@@ -135,7 +135,7 @@ def _line(
     nodes = data.find(keyword, row, fields[0])
     if fields[1].upper() in TYPES:
         if len(fields) > 2:
-            keyword.refuse(f"found fields behind {fields[1]}; expected none", row)
+            keyword.refuse(f"found fields after {fields[1]}; expected none", row)
         components, value = TYPES[fields[1].upper()], 0.0
     else:
         components = tuple(component_range(keyword, row, fields[1:3]))
@@ -146,14 +146,14 @@ def _line(
 
 
 def _supports(dofs_of_supports: list[Place], data: DeckData) -> Iterator[Support]:
-    """One support per set of components, and one per node with axes of its own."""
+    """Yield a support per set of components, and one per node with local axes."""
     by_node: dict[int, list[int]] = {}
     for node, c in dofs_of_supports:
         by_node.setdefault(node, []).append(c)
     along_frame: dict[int, set[int]] = {}
     number = 1
     for node, components in by_node.items():
-        # Where all directions are held it does not matter along which.
+        # Axes do not matter where all directions are held.
         whole = set(components) in ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})
         axes = None if whole else data.axes(node)
         if axes is None:

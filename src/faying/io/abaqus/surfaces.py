@@ -1,4 +1,4 @@
-"""``*SURFACE``: facets of solids."""
+"""``*SURFACE``: facets of solids and shells, and surfaces of nodes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,15 +24,15 @@ class DeckSurface:
     Attributes
     ----------
     name
-        As written.
+        Name as written.
     facets
-        Facet kind to nodes (n_facet, n_node_per_facet), in our order, seen from outside.
+        Nodes (n_facet, n_node_per_facet) by kind of facet, in faying's order seen from outside.
     nodes : (n_node,)
-        All of its nodes.
+        All nodes of the surface.
     elements : (n_element,)
-        Ids of the solids its facets belong to.
+        Ids of the solids of the facets.
     height : [length]
-        How far it lies off its nodes, of shells; not a number where that differs.
+        Distance of a shell surface from its nodes; NaN where it varies.
     """
 
     name: str
@@ -57,7 +57,7 @@ def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | Non
 def slave_and_master(
     surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]
 ) -> tuple[DeckSurface, DeckSurface]:
-    """Return the two surfaces that a data line of *CONTACT PAIR or *TIE names."""
+    """Return the two surfaces of a data line of *CONTACT PAIR or *TIE."""
     filled = [text for text in fields if text]
     check_count(keyword, row, filled, (2,), "the slave and the master surface")
     slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
@@ -67,13 +67,13 @@ def slave_and_master(
 
 
 def removed_sides(surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]) -> str:
-    """Return the names of the surfaces of a data line that lost all of their elements."""
+    """Return the names of the surfaces of a data line whose elements were all removed."""
     sides = [find_surface(surfaces, keyword, text, row) for text in fields if text]
     return " and ".join(side.name for side in sides if not len(side.nodes))
 
 
 def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
-    """Return surfaces whose facets are all of one kind as face sets."""
+    """Return face sets of the surfaces with one kind of facets."""
     by_name = {}
     for surface in surfaces.values():
         if len(surface.facets) == 1:
@@ -87,14 +87,14 @@ def read_surfaces(
 ) -> dict[str, DeckSurface]:
     """Read all *SURFACE: element faces S1 … S6, whole elements (their exterior), or nodes.
 
-    Faces SPOS (2) and SNEG (1) of shells are their sides along and against their normal.
+    Faces SPOS (2) and SNEG (1) of shells are the sides along and against their normal.
     """
     surfaces: dict[str, DeckSurface] = {}
     for keyword in data.deck.of("SURFACE"):
         label = keyword.required("NAME")
         name = f"{keyword.scope.name}.{label}" if keyword.scope.name else label
         if not keyword.data:
-            continue  # meshers write surfaces of nothing; whoever names one is told
+            continue  # meshers write empty surfaces; using one is refused
         surface = (
             _of_nodes(keyword, name, mesh, data.node_sets)
             if keyword.choice("TYPE") == "NODE"
@@ -163,7 +163,7 @@ def faces_of_solids(
 
 
 def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, Indices]:
-    """Element ids, face numbers (0 for all exterior ones) and data lines."""
+    """Return element ids, face numbers (0 for all exterior ones) and data lines."""
     columns, _ = table(keyword).columns(1, 2, "an element or element set and a face S1 … S6")
     rows = np.arange(len(keyword.data), dtype=np.int64)
     labels, row_of_label = np.unique(np.strings.upper(columns[1]), return_inverse=True)
@@ -206,6 +206,6 @@ def _check_all_solid(keyword: Keyword, mesh: Mesh, ids: Indices, rows: Indices) 
     if unknown.size:
         bad = int(unknown[0])
         keyword.refuse(
-            f"{ids[bad]} is no solid element; surfaces need solids or shells",
+            f"{ids[bad]} is not a solid element; surfaces need solids or shells",
             int(rows[bad]),
         )

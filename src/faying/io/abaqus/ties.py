@@ -1,4 +1,4 @@
-"""``*TIE``: surfaces that move together."""
+"""``*TIE``: tied surfaces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,12 +17,12 @@ from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
 
 DEFAULT_TOLERANCE = 0.05
-"""Position tolerance over the mean edge of the master surface where a deck gives none (Abaqus)."""
+"""Default position tolerance over the mean edge of the master surface, as in Abaqus."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tie:
-    """A tie: nodes of the slave follow the master where they lie within the tolerance."""
+    """A tie: slave nodes within the tolerance follow the master."""
 
     keyword: Keyword
     name: str
@@ -30,11 +30,11 @@ class Tie:
     master: DeckSurface
     tolerance: float | None
     stiffness: tuple[float, float] | None = None
-    """Slopes [force/length³] along the normals and across them; None is rigid."""
+    """Normal and tangential slopes [force/length³]; None is rigid."""
 
 
 def read_ties(deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair]) -> list[Tie]:
-    """Read all *TIE, behind the contact pairs that are tied."""
+    """Return all *TIE, after the tied contact pairs."""
     ties = [
         Tie(
             keyword=pair.keyword,
@@ -58,21 +58,21 @@ def read_ties(deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair]) -> list[Tie
             )
     if any(tie.stiffness is None for tie in ties):
         deck.ignored.append(
-            "*TIE, TIED: slave and master move together where facets see each other within the "
-            "position tolerance, node by node where meshes match and else in the mean (mortar), "
-            "which gives way more on coarse meshes (0.1 % on blocks of two and three linear "
+            "*TIE, TIED: slave and master move together where facets face each other within the "
+            "position tolerance, node by node where meshes match, otherwise in the mean (mortar), "
+            "which is softer on coarse meshes (0.1 % on blocks of two and three linear "
             "bricks, 4 % of quadratic ones); unless ADJUST=NO slave nodes are moved there"
         )
     return ties
 
 
 def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> Assembly:
-    """Add the equations of ties.
+    """Return the assembly with the equations of ties.
 
     Raises
     ------
     FormatError, ModelError
-        If a surface cannot be told by its nodes, or the two see nothing of each other.
+        If a surface is not determined by its nodes, or the two do not face each other.
     """
     of_nodes = [tie for tie in ties if not tie.slave.facets]
     of_facets = [tie for tie in ties if tie.slave.facets]
@@ -82,12 +82,12 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
         ignored.append(f"{tie.name}: ties of shells hold their nodes, half a thickness off")
         if tie.stiffness is None:
             tie.keyword.refuse(
-                "ties of shells are not supported, whose rotations they tie; share nodes"
+                "ties of shells, which include rotations, are not supported; share nodes"
             )
     for tie in of_nodes:
         if tie.stiffness is not None:
             tie.keyword.refuse(
-                f"slave surface '{tie.slave.name}' is of nodes; a TIED pair needs element faces"
+                f"slave surface '{tie.slave.name}' has nodes only; a TIED pair needs element faces"
             )
     sides = [side for tie in of_facets for side in (tie.slave, tie.master)]
     sides += [tie.master for tie in of_nodes]
@@ -121,9 +121,9 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
 
 
 def _adjusted(nodes: Matrix, ties: Sequence[Tie], equations: Sequence[Equation]) -> Matrix:
-    """Return places (n_node, 3) with slave nodes where their equations have them, but ADJUST=NO.
+    """Return node coordinates (n_node, 3) with slave nodes adjusted, except for ADJUST=NO.
 
-    Across a gap an equation of translations holds rotations of the whole.
+    Across a gap, equations between translations would prevent rigid rotations.
     """
     moving = [tie for tie in ties if tie.keyword.value("ADJUST", "YES").upper() != "NO"]
     slaves = {node for tie in moving for node in tie.slave.nodes.tolist()}
@@ -143,7 +143,7 @@ def _stiffness(pair: Pair) -> tuple[float, float] | None:
 def _following(
     assembly: Assembly, tie: Tie, first: int, ignored: list[str]
 ) -> tuple[Equation, ...]:
-    """Return the equations of a tie whose slave is nodes, and say which of them it leaves out."""
+    """Return the equations of a tie with a slave surface of nodes, and note untied nodes."""
     tolerance = _tolerance(assembly, tie)
     equations, n_tied = following(assembly, tie.slave.nodes, tie.master.name, tolerance, first)
     if not n_tied:
@@ -151,7 +151,7 @@ def _following(
             f"no node of slave surface '{tie.slave.name}' lies within {tolerance:g} of master "
             f"surface '{tie.master.name}'; give POSITION TOLERANCE, or correct the surfaces"
         )
-    note = f"*TIE {tie.name}: each slave node follows the place of the master next to it"
+    note = f"*TIE {tie.name}: each slave node follows the nearest point of the master"
     beyond = len(tie.slave.nodes) - n_tied
     if beyond:
         note += f"; {beyond} of {len(tie.slave.nodes)} lie beyond {tolerance:g} of it and do not"

@@ -1,4 +1,4 @@
-"""Write a joint as an input deck that CalculiX runs, contact and bolts included."""
+"""Write a joint as an input deck for CalculiX, with contact and bolts."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -45,17 +45,17 @@ def write_deck(
     """Write an input deck for CalculiX: structure, contact pairs, bolts and steps.
 
     The first step tightens the bolts to their ``preloads``; each load set is a step after it, with
-    the bolts locked. Every step is one increment, in which CalculiX's contact keeps displacements
-    small. Couplings, equations and inclined supports become ``*EQUATION``; rotations of a node are
+    the bolts locked. Every step has one increment, so that CalculiX uses small displacements in
+    contact. Couplings, equations and inclined supports become ``*EQUATION``; node rotations are
     the translations of a second one; beams become springs, tightened ones with a cut that
     ``*PRE-TENSION SECTION`` pulls together.
 
     Parameters
     ----------
     description
-        Without given matrices. Preloads name bolts that are beams along coordinate axes.
+        Description without given matrices. Bolts with preload are beams along coordinate axes.
     loads
-        Name to nodal loads, in the order of the steps; those of the assembly by default.
+        Nodal loads by name, in the order of the steps; by default the loads of the assembly.
     modes
         Write a ``*FREQUENCY`` step for this many modes instead, without contact.
     title
@@ -64,15 +64,15 @@ def write_deck(
     Raises
     ------
     FormatError
-        If the joint cannot be said in such a deck (matrices, non-matching interfaces, beams or
-        moments on nodes without rotations as named), or the file cannot be written.
+        If such a deck cannot represent the joint (matrices, non-matching interfaces, beams or
+        moments on nodes without rotations), or the file cannot be written.
     ModelError
         If an interface or bolt does not exist.
 
     Notes
     -----
     Numbers have thirteen digits. Initial gaps become ``*CLEARANCE``. The mass of a beam goes to
-    its ends in halves; point masses keep no inertia.
+    its ends in halves; point masses have no inertia.
     """
     assembly = description.assembly
     refuse_unwritten(assembly)
@@ -108,7 +108,7 @@ def _lines(
     yield from _line_elements(assembly, nodes, beams)
     equations = [*equation_terms(rows, nodes, fixed), *(e for b in beams for e in b.equations)]
     yield from _equations([terms for terms in equations if len(terms) > 1])
-    # What depends on nothing but what is held is held as well.
+    # Degrees of freedom that depend only on held ones are held too.
     grounded = [terms[0][:2] for terms in equations if len(terms) == 1]
     yield from _boundary([*held(nodes, fixed), *grounded])
     if modes is not None:
@@ -126,8 +126,8 @@ def _tightened(description: JointDescription) -> dict[str, int]:
     if description.initial_forces:
         name = next(iter(description.initial_forces))
         refuse(
-            f"bolt '{name}' is locked at an initial force; only final ones are written, give its "
-            "preload in their place"
+            f"bolt '{name}' is locked at an initial force; only final forces are written, give its "
+            "preload instead"
         )
     beams = {}
     beam_ids = {beam.id for beam in description.assembly.beams}
@@ -139,7 +139,7 @@ def _tightened(description: JointDescription) -> dict[str, int]:
             beams[bolt.name] = element.id
     missing = [name for name in description.preloads if name not in beams]
     if missing:
-        refuse(f"there is no bolt '{missing[0]}' to preload; add it to the description's bolts")
+        refuse(f"there is no bolt '{missing[0]}' to preload; add it to the bolts")
     return beams
 
 
@@ -149,7 +149,7 @@ def _nodes(assembly: Assembly, nodes: WrittenNodes, beams: Sequence[WrittenBeam]
         yield f"{number},{_reals(coordinates)}"
     added = [*rotation_coordinates(assembly, nodes), *(n for beam in beams for n in beam.nodes)]
     if added:
-        yield "** nodes whose translations are rotations, and the insides of bolts"
+        yield "** nodes whose translations are rotations, and nodes inside bolts"
         yield "*NODE,NSET=NAUXILIARY"
         yield from (f"{number},{_reals(coordinates.tolist())}" for number, coordinates in added)
 
@@ -194,7 +194,7 @@ def _sets(assembly: Assembly) -> Iterator[str]:
 
 
 def _label(name: str, labels: set[str]) -> str:
-    """Name a set in the letters both programs take, each name once."""
+    """Return a unique set name in characters that both programs accept."""
     label = re.sub(r"[^A-Z0-9_-]", "_", name.upper())[:60]
     label = label if label[:1].isalpha() else f"S{label}"
     while label in labels or label == "NALL" or label.startswith("PROPERTY"):
@@ -222,7 +222,7 @@ def _materials(assembly: Assembly) -> Iterator[str]:
 def _line_elements(
     assembly: Assembly, nodes: WrittenNodes, beams: Sequence[WrittenBeam]
 ) -> Iterator[str]:
-    """Springs, point masses, and the cuts of bolts; with ids above all others."""
+    """Yield springs, point masses, and cuts of bolts, with ids above all others."""
     numbers = count(assembly.largest_id + 1)
     springs = [spring for beam in beams for spring in beam.springs]
     springs += [
@@ -244,7 +244,7 @@ def _line_elements(
 def _element(
     kind: str, number: int, nodes: Sequence[int], keyword: str, *data: str
 ) -> Iterator[str]:
-    """Write an element, and what it has by a keyword."""
+    """Yield the lines of an element, and of a keyword with its data."""
     yield f"*ELEMENT,TYPE={kind},ELSET={keyword}{number}"
     yield ",".join(map(str, (number, *nodes)))
     yield f"*{keyword},ELSET={keyword}{number}"
@@ -252,7 +252,7 @@ def _element(
 
 
 def _cut(number: int, beam: WrittenBeam, nodes: tuple[int, int]) -> Iterator[str]:
-    """Write the beam element of a cut, its section, and the pretension section."""
+    """Yield the beam element of a cut, its section, and the pretension section."""
     yield f"*ELEMENT,TYPE=B31,ELSET=CUT{number}"
     yield f"{number},{nodes[0]},{nodes[1]}"
     yield f"*MATERIAL,NAME=CUT{number}"
@@ -262,7 +262,7 @@ def _cut(number: int, beam: WrittenBeam, nodes: tuple[int, int]) -> Iterator[str
     yield f"*BEAM SECTION,ELSET=CUT{number},MATERIAL=CUT{number},SECTION=CIRC"
     yield from (_reals([np.sqrt(beam.beam.section.area / np.pi)]), _reals(beam.across))
     yield f"*PRE-TENSION SECTION,ELEMENT={number},NODE={beam.control}"
-    # Only its axial stiffness counts.
+    # Only its axial stiffness matters.
     yield from ("*BOUNDARY", f"{nodes[0]},4,6")
 
 
@@ -270,8 +270,7 @@ def _masses(assembly: Assembly) -> Iterator[tuple[int, float]]:
     for point in assembly.masses:
         if any(value != 0 for row in (*point.inertia, point.offset) for value in row):
             refuse(
-                f"point mass {point.id} has inertia or an offset, which *MASS cannot say; leave it "
-                "out"
+                f"point mass {point.id} has inertia or an offset, which *MASS lacks; leave it out"
             )
         yield point.node, point.mass
     for beam in assembly.beams:
@@ -296,12 +295,12 @@ def _boundary(supports: Sequence[tuple[int, int]]) -> Iterator[str]:
 
 
 def _wrapped(numbers: Sequence[int] | Indices) -> Iterator[str]:
-    """Lines of at most ten numbers; a comma at the end continues."""
+    """Yield lines of at most ten numbers; a comma at the end continues."""
     for i in range(0, len(numbers), 10):
         part = ",".join(map(str, numbers[i : i + 10]))
         yield part + ("," if i + 10 < len(numbers) else "")
 
 
 def _reals(values: Iterable[float]) -> str:
-    """Numbers of at most twenty columns, the width CalculiX reads."""
+    """Return numbers of at most twenty columns, the width that CalculiX reads."""
     return ",".join(real_text(value) for value in values)

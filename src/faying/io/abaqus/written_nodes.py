@@ -1,6 +1,6 @@
-"""Degrees of freedom of an assembly in a deck that knows three translations a node.
+"""Degrees of freedom of an assembly in a deck with three translations per node.
 
-Nodes of CalculiX have no rotations of their own. A node whose rotations the structure uses gets a
+Nodes of CalculiX have no rotations. A node whose rotations the structure uses gets a
 second node, whose translations 1, 2, 3 are these rotations; couplings become equations.
 """
 
@@ -23,7 +23,7 @@ Term = tuple[int, int, float]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WrittenNodes:
-    """Where each degree of freedom of an assembly is in the deck.
+    """Nodes of a deck for the degrees of freedom of an assembly.
 
     Attributes
     ----------
@@ -38,11 +38,11 @@ class WrittenNodes:
 
     @property
     def largest(self) -> int:
-        """Largest node id in use."""
+        """The largest node id in use."""
         return int(max(self.ids.max(initial=0), self.rotations.max(initial=0)))
 
     def place(self, dof: int) -> tuple[int, int]:
-        """Return node id and degree of freedom of 6 · node index + component."""
+        """Return node id and degree of freedom of ``dof`` = 6 · node index + component."""
         node, component = divmod(dof, 6)
         if component < 3:
             return int(self.ids[node]), component + 1
@@ -55,7 +55,7 @@ class WrittenNodes:
 
 
 def written_equations(assembly: Assembly) -> tuple[Rows, Mask]:
-    """Return all couplings, equations and inclined supports, and what is plainly held (6 n_node,).
+    """Return couplings, equations and inclined supports as rows, and the held dofs (6 n_node,).
 
     Rows are as :func:`faying.model.constraints.constrain` eliminates them.
     """
@@ -64,7 +64,7 @@ def written_equations(assembly: Assembly) -> tuple[Rows, Mask]:
 
 
 def written_nodes(assembly: Assembly, rows: Rows) -> WrittenNodes:
-    """Give each node whose rotations are used a node for them, with ids above all others."""
+    """Return nodes of the deck, with a second one for each node whose rotations are used."""
     n_node = len(assembly.mesh.nodes)
     rotating = used_components(assembly).copy()
     rotating[rows.dependent] = True
@@ -79,7 +79,7 @@ def written_nodes(assembly: Assembly, rows: Rows) -> WrittenNodes:
 def equation_terms(rows: Rows, nodes: WrittenNodes, fixed: Mask) -> Iterator[list[Term]]:
     """Yield the terms of each equation, the dependent one first.
 
-    Held degrees of freedom drop out; what depends on nothing else is held itself.
+    Held degrees of freedom drop out; those that depend on nothing else are held.
     """
     matrix = rows.matrix.tocsr()
     for row, dependent in enumerate(rows.dependent.tolist()):
@@ -94,7 +94,7 @@ def equation_terms(rows: Rows, nodes: WrittenNodes, fixed: Mask) -> Iterator[lis
 
 
 def held(nodes: WrittenNodes, fixed: Mask) -> list[tuple[int, int]]:
-    """Return node and direction of what is held in the deck; rotations of solids drop out."""
+    """Return node and direction of held degrees of freedom, without rotations of solids."""
     return sorted(
         nodes.place(dof)
         for dof in np.flatnonzero(fixed).tolist()
@@ -103,15 +103,15 @@ def held(nodes: WrittenNodes, fixed: Mask) -> list[tuple[int, int]]:
 
 
 def rotation_coordinates(assembly: Assembly, nodes: WrittenNodes) -> list[tuple[int, Vector]]:
-    """Return id and place of the nodes added for rotations."""
+    """Return id and coordinates of the nodes added for rotations."""
     which = np.flatnonzero(nodes.rotations)
     return [(int(nodes.rotations[i]), assembly.mesh.nodes[i]) for i in which.tolist()]
 
 
 def real_text(value: float) -> str:
-    """Write a number with thirteen digits and a point, without which *SPRING takes it as integer.
+    """Return a number with thirteen digits and a point, which *SPRING needs for reals.
 
-    At most twenty columns, the width CalculiX reads.
+    It has at most twenty columns, the width that CalculiX reads.
     """
     mantissa, e, exponent = f"{value:.13g}".partition("e")
     return mantissa + ("" if "." in mantissa else ".") + e + exponent

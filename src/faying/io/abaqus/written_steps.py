@@ -1,8 +1,8 @@
 """Bolts, contact and steps of a written deck.
 
-A straight beam is, to the last digit, six springs between its middle and two rigid arms to its
+A straight beam is exactly equivalent to six springs at its middle and two rigid arms to its
 ends: EA/L, GJ/L and EI/L (twice), and 12 EI / ((1 + Φ) L³) in shear. The bending and shear springs
-decouple because the moment of an end force vanishes half-way for equal end rotations.
+decouple because the moment of an end force vanishes at the middle for equal end rotations.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -26,12 +26,12 @@ from faying.model.elements.beam import beam_frames, beam_properties, local_stiff
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import triangular
 
-# Where along the beam its nodes are drawn: both sides of the cut, and the far side of the spring.
+# Positions along the beam of its nodes: both sides of the cut, and the far side of the spring.
 _DRAWN = (0.3, 0.4, 0.5)
 CUT_OVER_BOLT = CUT_STIFFNESS * (_DRAWN[1] - _DRAWN[0])
 """Young's modulus of the beam element in a cut over that of its bolt: adds 1e-4 to the compliance.
 
-CalculiX takes the element out; Abaqus and faying keep it.
+CalculiX removes the element; Abaqus and faying keep it.
 """
 
 
@@ -42,17 +42,17 @@ class WrittenBeam:
     Attributes
     ----------
     nodes
-        New node ids and their places [length].
+        New node ids and their coordinates [length].
     equations
         Terms that sum to zero.
     springs
-        [(node id, dof), (node id, dof)] and stiffness of each; the first is the axial one.
+        [(node id, dof), (node id, dof)] and stiffness of each spring; the first is the axial one.
     cut
-        The two nodes of the cut, in the direction of the beam; None if it is not tightened.
+        Both nodes of the cut, in the direction of the beam; None if it is not tightened.
     control
         The pretension node; 0 if it is not tightened.
     beam, across
-        The beam, and its first local axis: those of the beam element in the cut.
+        The beam and its first local axis, also used for the beam element in the cut.
     """
 
     nodes: list[tuple[int, Vector]]
@@ -67,7 +67,7 @@ class WrittenBeam:
 def written_beam(
     assembly: Assembly, beam: Beam, nodes: WrittenNodes, first: int, *, tightened: bool
 ) -> WrittenBeam:
-    """Write a beam as springs, with up to four nodes from the first free id on."""
+    """Return a beam as springs, with up to four nodes from the first free id on."""
     ends = assembly.mesh.nodes[list(beam.nodes)]
     axis = ends[1] - ends[0]
     frames, lengths = beam_frames([beam], axis[None])
@@ -88,7 +88,7 @@ def written_beam(
     springs += [([nodes.place(6 * n + c) for n in beam.nodes], stiffness[c]) for c in range(3, 6)]
     if tightened:
         added += [(cut, places[1]), (first + 3, ends[0])]
-        # Springs activate all directions of their nodes; the cut opens along the axis only.
+        # Springs activate all directions of their nodes; the cut opens only along the axis.
         across = [c + 1 for c in range(3) if c != along]
         equations += [[(cut, dof, 1.0), (first_arm, dof, -1.0)] for dof in across]
     return WrittenBeam(
@@ -103,17 +103,17 @@ def written_beam(
 
 
 def _along(beam: Beam, frame: Matrix) -> int:
-    """Return the coordinate axis a beam and its section lie along."""
+    """Return the coordinate axis of a beam; refuse inclined beams and sections."""
     if (np.abs(frame).max(axis=1) < 1 - SOLVED).any():
         refuse(
-            f"beam {beam.id} or its section is not along coordinate axes, along which springs of "
-            "an input deck act; turn the model, or export matrices instead"
+            f"beam {beam.id} or its section is not along coordinate axes, as springs of "
+            "an input deck must be; rotate the model, or export matrices instead"
         )
     return int(np.abs(frame[0]).argmax())
 
 
 def _arm(nodes: WrittenNodes, arm: int, node: int, lever: Vector) -> list[list[Term]]:
-    """u_arm = u_node + θ × lever, one equation per direction."""
+    """Return the equations u_arm = u_node + θ × lever, one per direction."""
     turning = np.cross(np.eye(3), lever).T.tolist()
     equations = []
     for c in range(3):
@@ -126,7 +126,7 @@ def _arm(nodes: WrittenNodes, arm: int, node: int, lever: Vector) -> list[list[T
 
 
 def _stiffness(beam: Beam, frame: Matrix, lengths: Vector) -> list[float]:
-    """Stiffness of the six springs, by component in the basic frame: against opposite ends."""
+    """Return the stiffness of the six springs, by component in the basic frame."""
     (local,) = local_stiffness(beam_properties([beam], lengths))
     springs = (np.diag(local[:6, :6]) - np.diag(local[:6, 6:])) / 2
     basic = np.abs(frame).argmax(axis=1)
@@ -157,13 +157,13 @@ def contact_lines(description: JointDescription) -> Iterator[str]:
 
 
 def _clearance(description: JointDescription, name: str) -> float | None:
-    """Return the gap that replaces that of the mesh, if any."""
+    """Return the initial gap that replaces the gap of the mesh, if any."""
     rule = description.gap_rules.get(name)
     if rule is None:
         return description.initial_gaps.get(name) or None
     if rule.value is None:
         refuse(
-            f"interface '{name}' starts with gaps of its mesh closed (ADJUST, INIPENE), which is "
+            f"interface '{name}' closes gaps of its mesh at the start (ADJUST, INIPENE), which is "
             "not written; move its nodes together"
         )
     return rule.value
@@ -196,7 +196,7 @@ def _behaviour(
 
 
 def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
-    """Element and face number of facets (n_facet, n_node), given by node indices."""
+    """Yield element and face number of facets (n_facet, n_node), given by node indices."""
     n_corner = 3 if triangular(facets).all() else 4
     corner_sets = {tuple(row) for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
     touched = np.zeros(len(assembly.mesh.nodes), dtype=bool)
@@ -222,15 +222,15 @@ def step_lines(
     locked: Sequence[int],
     contact: bool,
 ) -> Iterator[str]:
-    """Yield the steps.
+    """Yield the lines of the steps.
 
-    Preloads are forces on pretension nodes; those that are locked are so in the step behind the
-    first. If anything touches (``contact``), every step is one increment with tight tolerances.
+    Preloads are forces on pretension nodes; ``locked`` ones are held in the step after the
+    first. With ``contact`` every step is one increment with tight tolerances.
 
     Notes
     -----
-    Forces of a step stay until a later one changes them, so each step says all of them anew. The
-    forces on pretension nodes stay too, where they do nothing once the bolts are locked.
+    Forces of a step remain until a later one changes them, so each step states all of them. The
+    forces on pretension nodes remain too, without effect once the bolts are locked.
     """
     if preloads or not loads:
         yield from ("** preload", *_opening(contact))

@@ -1,1 +1,1 @@
-"""Pictures of models and results: functions that take data and Axes, drawn as pages ask."""
+"""Figures of models and results, drawn for the pages of a report."""

@@ -1,4 +1,4 @@
-"""Pictures of a run: drawn and saved when a page asks for them."""
+"""Figures of a run, drawn and saved for a page."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
@@ -12,23 +12,23 @@ from faying.report.style import house_style, save
 from faying.study.results.values import CaseResult, Results
 
 PHONE = 2.4
-"""Width over height from which a picture cannot be read at the width of a phone."""
+"""Width over height above which a figure is not legible at the width of a phone."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class FigureEntry:
-    """One figure of a report.
+    """A figure of a report.
 
     Attributes
     ----------
     path
         The PNG file.
     title
-        What it shows, in a few words.
+        Title of a few words.
     caption
-        How to read it, with the numbers that matter.
+        Explanation, with the important numbers.
     wide
-        Whether it is too wide to be read when it is shrunk to the width of a phone.
+        Whether the figure is too wide for the width of a phone.
     """
 
     path: Path
@@ -45,7 +45,7 @@ class Drawn:
     ----------
     figure
     stem
-        Which picture it is, as ``"pressure"``.
+        Kind of the figure, such as ``"pressure"``.
     title, caption
         As in :class:`FigureEntry`.
     """
@@ -58,13 +58,13 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class Album:
-    """The pictures of a run, as PNG in a folder.
+    """The figures of a run as PNG files in a folder.
 
     Attributes
     ----------
     results
     folder
-        Made if it does not exist; without one nothing is drawn.
+        Folder of the files, made if it does not exist; None draws nothing.
     """
 
     results: Results
@@ -75,15 +75,15 @@ class Album:
         *draws: Callable[..., Drawn | None],
         of: Iterable[CaseResult | str] | None = None,
     ) -> list[FigureEntry]:
-        """Draw and save pictures, atomically, one at a time so that only one is in memory.
+        """Draw and save figures, one at a time, and return their entries.
 
-        They are of the whole run; or ``of`` load cases, and of harmonic loads by their names.
-        Functions that have nothing to draw return None.
+        The figures show the whole run, or the load cases and harmonic loads (by name) in ``of``.
+        Functions with nothing to draw return None.
 
         Raises
         ------
         FormatError
-            If they cannot be written.
+            If a file cannot be written.
         """
         if self.folder is None:
             return []
@@ -99,7 +99,7 @@ class Album:
     def _named(
         self, of: Iterable[CaseResult | str]
     ) -> Iterator[tuple[str, tuple[CaseResult | str]]]:
-        """Yield how files about load cases and harmonic loads begin."""
+        """Yield the prefix of file names, and the arguments, of each load case or harmonic load."""
         cases, frequencies = file_names(self.results.cases), file_names(self.results.frequencies)
         for subject in of:
             if isinstance(subject, str):

@@ -1,4 +1,4 @@
-"""Modes over their amplitude: frequency, damping, measured ones beside them, loops, slip."""
+"""Figures of backbones: frequency and damping over amplitude, measured curves, loops, slip."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -23,12 +23,12 @@ from faying.units import Units, units_of
 
 
 def abscissa(backbone: Backbone) -> Vector:
-    """Return what a backbone is drawn over (n,): its amplitude, or its energy."""
+    """Return the abscissa of a backbone (n,): its amplitudes, or its energies."""
     return backbone.energy if backbone.over == "energy" else backbone.amplitude
 
 
 def unit_of(backbone: Backbone, units: Units) -> str:
-    """Return the unit of that."""
+    """Return the unit of the abscissa."""
     if backbone.over == "energy":
         return units.of("force·length")
     return "rad" if ".r" in backbone.measured_at else units.length
@@ -37,9 +37,9 @@ def unit_of(backbone: Backbone, units: Units) -> str:
 def plot_damping(
     case: CaseResult, axes: Axes, units: Units, measured: Sequence[MeasuredCurve] = ()
 ) -> Axes:
-    """Draw damping over amplitude: all of it, the share of the damping matrix, Masing's rule.
+    """Draw damping over amplitude: in total, of the damping matrix, and by Masing's rule.
 
-    Triangles are what was measured.
+    Triangles are measured values.
     """
     curves = case.reference.backbones
     largest = max(float(backbone.damping_ratio.max()) for backbone in curves.values())
@@ -66,7 +66,7 @@ def plot_damping(
 
 
 def plot_shift(case: CaseResult, axes: Axes, measured: Sequence[MeasuredCurve] = ()) -> Axes:
-    """Draw the change of frequency from small vibrations, as computed, over amplitude."""
+    """Draw the relative change of frequency from small vibrations over amplitude."""
     for i, backbone in enumerate(case.reference.backbones.values()):
         shift = 100 * (backbone.frequency / backbone.small_frequency - 1)
         along, gross = abscissa(backbone), backbone.macroslip
@@ -82,7 +82,7 @@ def plot_shift(case: CaseResult, axes: Axes, measured: Sequence[MeasuredCurve] =
 
 
 def plot_modal_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
-    """Draw the loop of the largest amplitude of each mode, less what an elastic joint would do."""
+    """Draw the loop of the largest amplitude of each mode, without its linear elastic part."""
     for i, (mode, backbone) in enumerate(case.reference.backbones.items()):
         load, modal = (
             backbone.loop_load[-1] / backbone.load[-1],
@@ -98,14 +98,14 @@ def plot_modal_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
 
 
 def masing_remark(mode: str, backbone: Backbone) -> str:
-    """Say how far Masing's rule is off; nothing where it was not asked for or nothing slips."""
+    """Return a sentence about the error of Masing's rule; empty without it or without slip."""
     deviation = backbone.masing_deviation
     if deviation is None or not (backbone.friction_damping > 0).any():
         return ""
     off = 100 * deviation[backbone.friction_damping > 0]
     return (
         f" By Masing's rule (crosses) friction damping of mode {mode} is off by {off.min():+.2g} "
-        f"to {off.max():+.2g} %; what it makes negative is not drawn."
+        f"to {off.max():+.2g} %; negative values of the rule are not drawn."
     )
 
 
@@ -152,20 +152,20 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
         caption=(
             "Left: damping ratio by full cycles, of friction and the damping matrix together "
             "(dotted: the damping matrix alone), and change of frequency from small vibrations; "
-            "squares where all that is closed on an interface slips. Legends give the frequency "
+            "squares: all closed points of an interface slip. Legends give the frequency "
             "of small vibrations. Right: load over modal displacement, both over their "
-            f"amplitudes, the straight line of an elastic joint taken off. {remarks}"
+            f"amplitudes, without the straight line of an elastic joint. {remarks}"
         ).strip(),
     )
 
 
 def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
-    """Draw how far points slip in a cycle, at the amplitudes a study names, or at three.
+    """Draw the slip of points in a cycle, at the amplitudes of a study, or at three.
 
-    One row for each mode and interface; None for cases without backbones, or without slip.
+    The figure has a row for each mode and interface; None for cases without backbones or slip.
     """
-    amplitudes, units = _wanted(results, case), results.unit_set
-    shown = {mode: _chosen(item, amplitudes) for mode, item in case.reference.backbones.items()}
+    amplitudes, units = _map_amplitudes(results, case), results.unit_set
+    shown = {m: _map_indices(item, amplitudes) for m, item in case.reference.backbones.items()}
     rows = {
         f"mode {mode}, {name}": (mode, record)
         for mode in shown
@@ -198,7 +198,7 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     columns: list[Panel] = [partial(panel, i) for i in range(max(3, *map(len, shown.values())))]
     which = "the first, the middle and the last amplitude of each mode that slips somewhere"
     if amplitudes:
-        which = "the amplitudes computed nearest to those the study names"
+        which = "the computed amplitudes nearest to those of the study"
     records = {row: record for row, (_, record) in rows.items()}
     title = f"{case.name}: where the joint slips, full model"
     return Drawn(
@@ -206,20 +206,20 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         stem="backbone_slip",
         title=f"{case.name}: slip over amplitude",
         caption=(
-            f"How far contact points slip in a cycle while they are pressed on, at {which}. Grey "
-            "does not slip."
+            f"Slip of contact points in a cycle while they are closed, at {which}. Grey points "
+            "do not slip."
         ),
     )
 
 
-def _wanted(results: Results, case: CaseResult) -> list[float]:
-    """Return the amplitudes whose maps the study wants; none where it does not say."""
+def _map_amplitudes(results: Results, case: CaseResult) -> list[float]:
+    """Return the amplitudes of maps in the study; an empty list without any."""
     cases = results.study_tables.get("load_case", [])
     return next((entry.get("maps", []) for entry in cases if entry.get("name") == case.name), [])
 
 
-def _chosen(backbone: Backbone, amplitudes: list[float]) -> list[int]:
-    """Return the amplitudes nearest to those wanted, or the first, middle and last that slip."""
+def _map_indices(backbone: Backbone, amplitudes: list[float]) -> list[int]:
+    """Return the indices of some amplitudes, or of the first, middle and last with slip."""
     if backbone.slip_distance is None:
         return []
     if amplitudes:
@@ -234,7 +234,7 @@ def _chosen(backbone: Backbone, amplitudes: list[float]) -> list[int]:
 
 
 def draw_fit(computed: Backbone, measured: MeasuredCurve) -> Figure:
-    """Draw a backbone and the curve it was fitted to."""
+    """Draw a backbone and the measured curve of its fit."""
     upper, lower = _axes(computed.measured_at, computed.units)
     upper.plot(computed.amplitude, computed.frequency, "o-", label="computed")
     lower.plot(computed.amplitude, 100 * computed.damping_ratio, "o-", label="computed")
@@ -242,7 +242,7 @@ def draw_fit(computed: Backbone, measured: MeasuredCurve) -> Figure:
 
 
 def draw_band(band: BackboneBand, measured: Sequence[MeasuredCurve]) -> Figure:
-    """Draw a band, and the measured curves it should hold."""
+    """Draw a band of backbones and measured curves."""
     upper, lower = _axes(band.measured_at, band.units)
     ends: tuple[tuple[Axes, Vector, Vector], ...] = (
         (upper, band.frequency_low, band.frequency_high),
@@ -254,7 +254,7 @@ def draw_band(band: BackboneBand, measured: Sequence[MeasuredCurve]) -> Figure:
 
 
 def _over_amplitudes(axes: Axes) -> None:
-    """Make the abscissa logarithmic, its labels few enough to be read."""
+    """Make the abscissa logarithmic, with few labels."""
     axes.set_xscale("log")
     axes.xaxis.set_major_formatter(FuncFormatter(_label))
     axes.xaxis.set_minor_formatter(FuncFormatter(_label))
@@ -271,7 +271,7 @@ def _axes(measured_at: str, units: str) -> tuple[Axes, Axes]:
 
 
 def _label(amplitude: float, _: int | None) -> str:
-    """Return what stands below a tick; a decade has four of them."""
+    """Return the label of a tick; a decade has four labels."""
     return f"{amplitude:g}" if f"{amplitude:e}"[0] in "1235" else ""
 
 

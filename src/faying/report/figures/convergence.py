@@ -1,4 +1,4 @@
-"""How much reduced models get the pressure wrong, over their joint modes."""
+"""Figure of pressure errors of reduced models over their joint modes."""
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter
@@ -13,7 +13,7 @@ from faying.study.results.values import CaseResult, Results
 def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
     """Draw the largest relative pressure error of each method over its joint modes.
 
-    Methods without joint modes are horizontal lines; errors below the floor of the picture are
+    Methods without joint modes are horizontal lines; errors below the lower limit are
     triangles on it.
     """
     counts = sorted({n for sizes in case.methods.values() for n in sizes if n > 0}) or [1]
@@ -53,7 +53,7 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
 
 
 def convergence_figure(results: Results) -> Drawn | None:
-    """Draw one panel per load case; None where no method has joint modes."""
+    """Draw pressure errors over joint modes by load case; None without joint modes."""
     cases = [case for case in results.cases.values() if any(map(any, case.methods.values()))]
     if not cases:
         return None

@@ -1,4 +1,4 @@
-"""Amplitude and phase over frequency under harmonic loads."""
+"""Figure of amplitude and phase over frequency under harmonic loads."""
 
 from typing import Any
 
@@ -13,11 +13,11 @@ from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import Results
 
 MARKS, MARKERS = 60, "^vs"
-"""Points of a measured curve that are drawn, about, and how those of each."""
+"""Approximate number of drawn points of a measured curve, and markers of the curves."""
 
 
 def frequency_figure(results: Results, name: str) -> Drawn:
-    """Draw the curves of a harmonic load, the linear one, and those from the backbone over them."""
+    """Draw the responses to a harmonic load: by harmonics, linear, and from the backbone."""
     record = results.frequencies[name]
     figure = new_figure(9.5, 7.0)
     above = figure.add_subplot(3, 1, (1, 2))
@@ -71,7 +71,7 @@ def frequency_figure(results: Results, name: str) -> Drawn:
 
 
 def phases(measured: ResponseCurve, record: FrequencyRecord) -> Vector:
-    """Return the phases (n,) [rad] of a measured curve, by whole turns next to the linear one."""
+    """Return the phases (n,) [rad] of a measured curve, in the turn of the linear response."""
     linear = record.response.linear
     turned, beside = (
         np.unwrap(np.angle(curve.response(record.at))) for curve in (measured, linear)

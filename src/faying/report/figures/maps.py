@@ -1,4 +1,4 @@
-"""Maps of the contact: the gap, and pressures (as Figs. 15.3, 15.5), opening, slip, fretting."""
+"""Maps of contact: gap, pressure (as Figs. 15.3, 15.5), opening, slip and fretting."""
 
 from collections.abc import Mapping
 
@@ -27,8 +27,8 @@ from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units
 
 POINTS = (
-    "Values at the contact points, each over the area nearest to it; a cross marks the largest, "
-    "grey carries no pressure"
+    "Each contact point's value is drawn over the area nearest to it; a cross marks the largest, "
+    "grey is without pressure"
 )
 
 OPENING_STATES = {
@@ -38,7 +38,7 @@ OPENING_STATES = {
     "open before and now": OPEN_COLOUR,
 }
 SLIP_STATES = {"open": OPEN_COLOUR, "sticks": "#7FA6C9", "slips": "#D95F02"}
-"""States of a contact point and their colours, in the order of their numbers."""
+"""Colours of the states of a contact point, in the order of their numbers."""
 
 
 def plot_pressure(
@@ -49,12 +49,12 @@ def plot_pressure(
     *,
     largest: float | None = None,
 ) -> Axes:
-    """Draw a contact pressure at its contact points; grey where open, a cross at the largest.
+    """Draw the pressure at contact points; grey where open, with a cross at the largest.
 
     Parameters
     ----------
     pressure : (n_point,)
-        At the contact points of this interface.
+        Pressure at the contact points of the interface.
     largest
         Top of the colour scale; the largest pressure by default.
     """
@@ -75,7 +75,7 @@ def _at(record: InterfaceRecord, point: Vector, units: Units) -> str:
 
 
 def described_peak(record: InterfaceRecord, pressure: Vector, units: Units) -> str:
-    """Return the largest pressure at a contact point and where it is."""
+    """Return the largest pressure at a contact point, and its place, as text."""
     if not len(pressure) or pressure.max() <= 0:
         return "no contact"
     where = _at(record, record.points[pressure.argmax()], units)
@@ -83,7 +83,7 @@ def described_peak(record: InterfaceRecord, pressure: Vector, units: Units) -> s
 
 
 def summary(name: str, record: InterfaceRecord, pressure: Vector, units: Units) -> str:
-    """Return what a caption says about the pressure on one interface."""
+    """Return the caption for the pressure on an interface."""
     shape = "" if best_plane(record).flat else f", {_projected(record)}"
     average = float(record.nodal_average(pressure).max(initial=0.0))
     total = float(record.weights.sum())
@@ -96,18 +96,18 @@ def summary(name: str, record: InterfaceRecord, pressure: Vector, units: Units) 
 
 
 def _projected(record: InterfaceRecord) -> str:
-    """Say what a map of an interface does that does not lie in a plane."""
+    """Return how a curved interface is mapped, as text."""
     if looks_both_ways(record):
         return (
-            "faces that look opposite ways, drawn one over the other (as interfaces of their own, "
-            "from faces that are named in the source, each has a map)"
+            "opposite faces, drawn over each other (to get separate maps, define separate "
+            "interfaces from named faces of the source)"
         )
     unrolled = isinstance(best_plane(record), Unrolled)
     return "unrolled" if unrolled else "curved, projected on its best plane"
 
 
 def pressure_figure(results: Results, case: CaseResult) -> Drawn:
-    """Draw the reference pressure of a static case on all interfaces, on one colour scale."""
+    """Draw the pressure of a static case on all interfaces, on a common colour scale."""
     units, records, pressure = results.unit_set, results.interfaces, case.reference.pressure
     largest = float(pressure.max(initial=0.0))
 
@@ -133,7 +133,7 @@ def pressure_figure(results: Results, case: CaseResult) -> Drawn:
 
 
 def preload_figure(results: Results) -> Drawn:
-    """Draw preload pressure by interface, and the sticking area where something is tied."""
+    """Draw the preload pressure by interface, and the sticking area if pairs are tied."""
     units, records = results.unit_set, results.interfaces
     tied = any(record.stuck.any() for record in records.values())
 
@@ -160,7 +160,7 @@ def preload_figure(results: Results) -> Drawn:
         caption = (
             "Left: contact pressure after tightening, before any pair was tied. Right: the node "
             "pairs, large dots where they are tied in tangential direction in all load cases "
-            "because their pressure passes the study's threshold (as Fig. 15.3)."
+            "because their pressure exceeds the study's threshold (as Fig. 15.3)."
         )
     return Drawn(
         figure=map_figure(records, panels, 5.5 * len(panels), 0.5, title),
@@ -175,7 +175,7 @@ def _stuck(record: InterfaceRecord) -> str:
 
 
 def plot_states(record: InterfaceRecord, pressure: Vector, axes: Axes, units: Units) -> Axes:
-    """Draw which contact points (n_point,) the load has opened or closed since the preload."""
+    """Draw which contact points (n_point,) the load opened or closed since tightening."""
     pressed, now = record.preload_pressure > 0, pressure > 0
     states = np.select([pressed & now, pressed, now], [0, 1, 2], default=3)
     return draw_states(record, states, axes, units, OPENING_STATES)
@@ -184,7 +184,7 @@ def plot_states(record: InterfaceRecord, pressure: Vector, axes: Axes, units: Un
 def plot_gap(
     record: InterfaceRecord, gap: Vector, axes: Axes, units: Units, *, largest: float
 ) -> Axes:
-    """Draw the gap at the contact points (n_point,), white where closed, a cross at the largest.
+    """Draw the gap at contact points (n_point,), white where closed, a cross at the largest.
 
     ``largest`` is the top of the colour scale.
     """
@@ -201,7 +201,7 @@ def plot_gap(
 
 
 def described_opening(record: InterfaceRecord, opened_area: Opening, units: Units) -> str:
-    """Return how much opened, how far, and where."""
+    """Return the opened area, the largest gap and its place, as text."""
     opened = f"{percent(opened_area.opened)} of the area pressed after tightening opened"
     if opened_area.gap <= 0:
         return f"{opened}; no gap anywhere"
@@ -210,9 +210,9 @@ def described_opening(record: InterfaceRecord, opened_area: Opening, units: Unit
 
 
 def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
-    """Draw contact lost and gained, and the gap, one row per interface.
+    """Draw lost and gained contact, and the gap, one row per interface.
 
-    Transients at the instant of their largest gap; None where all is closed.
+    A transient is drawn at the instant of its largest gap. None where all points are closed.
     """
     units = results.unit_set
     all_openings = {name: opening(record, case) for name, record in results.interfaces.items()}
@@ -240,15 +240,15 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
     if case.times is not None and widest.instant is not None:
         when = f", at {quantity(float(case.times[widest.instant]), units.time)}"
         over_time = " Shares of area are the largest over time."
-    title = f"{case.name}: what the load opens, {case.reference_model}{when}"
+    title = f"{case.name}: opening under load, {case.reference_model}{when}"
     return Drawn(
         figure=map_figure(drawn, [left, right], 13.0, 0.9, title, OPENING_STATES),
         stem="gap",
-        title=f"{case.name}: what the load opens",
+        title=f"{case.name}: opening under load",
         caption=(
             f"Left: where {case.name} opened or closed contact since the bolts were tightened. "
-            f"Right: the gap, white where closed, a cross at the largest{when}. Values at the "
-            f"contact points, each over the area nearest to it. {'. '.join(notes)}.{over_time}"
+            f"Right: the gap, white where closed, a cross at the largest{when}. Each contact "
+            f"point's value is drawn over the area nearest to it. {'. '.join(notes)}.{over_time}"
         ),
     )
 
@@ -270,7 +270,7 @@ def draw_initial_gaps(records: Mapping[str, InterfaceRecord], units: Units) -> F
 
 
 def initial_gap_figure(results: Results) -> Drawn | None:
-    """Draw the gaps of a run's interfaces; None where all surfaces touch."""
+    """Draw the initial gaps of a run's interfaces; None where all surfaces touch."""
     figure = draw_initial_gaps(results.interfaces, results.unit_set)
     if figure is None:
         return None
@@ -319,9 +319,9 @@ def plot_traction(
 
 
 def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
-    """Draw tractions over pressure and the states of the points, one row per interface.
+    """Draw tractions over pressure, and the states of the points, one row per interface.
 
-    They are those of the increment or instant in which most slips, of a static load at its full
+    A path or transient is drawn where its slipping area is largest, a static load at its full
     value; None without friction.
     """
     records, units = results.rubbing, results.unit_set
@@ -359,13 +359,13 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         caption=(
             f"{case.reference_model.capitalize()}, {shown.when}. Left: traction on the plus side "
             "as nodal averages, arrows over the contact pressure. Right: contact points, each over "
-            f"the area nearest to it, that are open, stick, or slip there. {'. '.join(notes)}."
+            f"the area nearest to it, that are open, stick or slip. {'. '.join(notes)}."
         ),
     )
 
 
 def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
-    """Draw slip range and its product with the traction at the largest amplitude, per point."""
+    """Draw slip range, and slip range times traction, at the largest amplitude of cycles."""
     records, units, cycles = results.rubbing, results.unit_set, [*case.reference.cycles.values()]
     if not cycles or not records or not cycles[-1].fretting.any():
         return None
@@ -393,8 +393,8 @@ def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
         stem="fretting",
         title=f"{case.name}: fretting",
         caption=(
-            "Left: how far a contact point slips to and fro in a cycle. Right: that times its "
-            "largest traction, the parameter of Ruiz, Boddington & Chen 1984 for fretting. Grey "
-            f"does not slip. {percent(share)} of all contact area slips somewhere in the cycle."
+            "Left: range of slip of a contact point in a cycle. Right: slip range times its "
+            "largest traction, the fretting parameter of Ruiz, Boddington & Chen 1984. Grey "
+            f"points do not slip. {percent(share)} of all contact area slips during the cycle."
         ),
     )

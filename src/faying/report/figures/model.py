@@ -1,4 +1,4 @@
-"""The model (as Fig. 15.2), and its bolts while they are tightened."""
+"""Figures of the model (as Fig. 15.2), and of bolt forces during tightening."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ def model_figure(results: Results) -> Drawn:
     measures = " × ".join(quantity(float(value), "") for value in extent)
     caption = (
         f"The finite element model (as Fig. 15.2): {size}, {measures} {units.length} over all. "
-        f"One colour per body; thick lines: edges of the interfaces, drawn through{axis_note}."
+        f"One colour per body; thick lines: edges of the interfaces, not hidden{axis_note}."
     )
     return Drawn(figure=figure, stem="model", title="Model", caption=caption)
 
@@ -49,10 +49,10 @@ def plot_tightening(results: Results, axes: Axes) -> Axes:
         shade = colours[number % len(colours)]
         axes.plot(np.arange(len(bolt.history)), bolt.history, "o-", color=shade, label=plain(name))
         axes.axhline(bolt.preload, color=shade, ls=":", lw=1.0)
-    if 0 < len(stages) <= 14:  # as many names as fit
+    if 0 < len(stages) <= 14:  # more names would not fit
         axes.set_xticks(np.arange(len(stages)), [plain(s) for s in stages], rotation=35, ha="right")
     else:
-        axes.set_xlabel("stage of tightening, one bolt after the other")
+        axes.set_xlabel("stage of tightening, bolt by bolt")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(f"bolt force [{results.unit_set.force}]")

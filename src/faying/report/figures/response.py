@@ -1,4 +1,4 @@
-"""Load cases over time (as Fig. 15.7), from increment to increment, and in cycles."""
+"""Figures of load cases over time (as Fig. 15.7), over increments, and in cycles."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -19,7 +19,7 @@ from faying.units import Units
 MODE_COUNTS = (5, 20)
 """Joint modes of the paper's Fig. 15.7 (five) and Fig. 15.6 (twenty)."""
 HEADROOM = 1.6
-"""Pressures beyond this multiple of the reference's leave the picture."""
+"""Upper limit of pressures in a figure, over the largest pressure of the reference."""
 
 
 def shown_results(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
@@ -37,7 +37,7 @@ def shown_results(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
 
 
 def largest_motion(case: CaseResult, boundary: str) -> int | None:
-    """Return the translation of a boundary that moves most; None where there is none."""
+    """Return the index of the largest translation of a boundary; None without translations."""
     components = case.components.get(boundary, ())
     translations = [i for i, component in enumerate(components) if component.startswith("u")]
     if not translations:
@@ -57,7 +57,7 @@ def _line(name: str, result: MethodResult) -> dict[str, Any]:
 
 
 def _plot_over_time(case: CaseResult, axes: Axes, value: Callable[[Response], Vector]) -> None:
-    """Draw a number of each instant (n_time,), of the reference and of the methods shown."""
+    """Draw a value over time (n_time,), of the reference and the shown methods."""
     times, name = np.asarray(case.times), case.reference_model
     axes.plot(times, value(case.reference), color=REFERENCE, lw=2.6, label=name)
     for name, result in shown_results(case):
@@ -68,7 +68,7 @@ def _plot_over_time(case: CaseResult, axes: Axes, value: Callable[[Response], Ve
 
 
 def plot_displacement(case: CaseResult, boundary: str, axes: Axes, units: Units) -> Axes:
-    """Draw the largest moving translation of a boundary over time."""
+    """Draw the largest translation of a boundary over time."""
     component = largest_motion(case, boundary)
     if component is not None and case.times is not None:
         _plot_over_time(case, axes, lambda solved: solved.displacements[boundary][:, component])
@@ -84,7 +84,7 @@ def peak_pressure(response: Response) -> Vector:
 
 
 def plot_peak_pressure(case: CaseResult, axes: Axes, units: Units) -> Axes:
-    """Draw the largest pressure over time; curves far beyond the reference leave the picture."""
+    """Draw the largest pressure over time; curves far above the reference are cut off."""
     if case.times is None:
         return axes
     _plot_over_time(case, axes, peak_pressure)
@@ -149,10 +149,10 @@ def _caption(case: CaseResult, units: Units) -> str:
         for name, peak in peaks.items()
         if peak > HEADROOM * top
     ]
-    left = f" Beyond the pressure panel: {', '.join(outside)}." if outside else ""
+    left = f" Outside the pressure panel: {', '.join(outside)}." if outside else ""
     half = " Dotted: half the time step." if case.half_step is not None else ""
     return (
-        f"Response to {case.name} from the preloaded state (as Fig. 15.7): the largest moving "
+        f"Response to {case.name} from the preloaded state (as Fig. 15.7): the largest "
         "translation of each boundary, the largest pressure of all contact points, and the "
         "largest pressure error at each instant over the largest reference pressure of the run, "
         f"all at the same time step. {case.reference_model.capitalize()}: "
@@ -163,7 +163,7 @@ def _caption(case: CaseResult, units: Units) -> str:
 
 
 def path_figure(results: Results, case: CaseResult) -> Drawn | None:
-    """Draw a path over its increments; None for cases that are none."""
+    """Draw a path over its increments; None for other cases."""
     path = case.reference.path
     if path is None:
         return None
@@ -179,7 +179,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
         taken = _plot_friction(path, path.pressure, steps, panels, results.unit_set, marker=".")
         told = (
             "largest pressure and traction, shares of the area that slip in an increment and "
-            f"stick, and the energy that friction has taken, {taken} at the end."
+            f"stick, and the energy dissipated by friction, {taken} at the end."
         )
     else:
         _plot_forces(path, steps, panels, results.unit_set)
@@ -190,7 +190,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
         panels[1].axvspan(steps[row] - 0.5, steps[row] + 0.5, color="0.8", zorder=0)
     gross = int(path.macroslip.sum())
     slipped = (
-        f" All that touches slips in {gross} of them (grey behind the shares)." if gross else ""
+        f" All closed points slip in {gross} of them (grey behind the shares)." if gross else ""
     )
     figure.suptitle(heading(f"{case.name}: increments, full model"))
     return Drawn(
@@ -198,14 +198,14 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
         stem="path",
         title=f"{case.name}: increments",
         caption=(
-            f"The full model over the {len(steps)} increments of {case.name}, which begins at the "
+            f"The full model over the {len(steps)} increments of {case.name}, which starts at the "
             f"preloaded joint: load factors, {told}{slipped}"
         ),
     )
 
 
 def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
-    """Draw what friction does over time; None for cases without."""
+    """Draw friction over time; None for cases without friction."""
     record, times = case.reference.friction, case.times
     if times is None or not len(record):
         return None
@@ -216,7 +216,7 @@ def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     panels[-1].set_xlim(times[0], times[-1])
     figure.suptitle(heading(f"{case.name}: friction over time, {case.reference_model}"))
     gross = int(record.macroslip.sum())
-    slipped = f" All that touches slips at {gross} of {len(times)} instants." if gross else ""
+    slipped = f" All closed points slip at {gross} of {len(times)} instants." if gross else ""
     return Drawn(
         figure=figure,
         stem="friction",
@@ -224,8 +224,8 @@ def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         caption=(
             f"{case.reference_model.capitalize()}, from the preloaded joint on: largest pressure "
             "and traction of all contact points, shares of the area with friction that slip and "
-            "stick, and the energy that friction has taken, "
-            f"{taken} at the end. At the first instant nothing slips yet.{slipped}"
+            "stick, and the energy dissipated by friction, "
+            f"{taken} at the end. No point slips at the first instant.{slipped}"
         ),
     )
 
@@ -239,7 +239,7 @@ def _plot_friction(
     *,
     marker: str,
 ) -> str:
-    """Draw largest pressure and traction, shares that slip and stick, and energy; return it."""
+    """Draw pressure, traction, slipping and sticking shares, and energy; return the energy."""
     top, shares, energy = panels
     top.plot(along, pressure.max(axis=1, initial=0.0), marker=marker, label="pressure")
     tractions = np.linalg.norm(record.traction, axis=2).max(axis=1, initial=0.0)
@@ -273,7 +273,7 @@ def _plot_forces(path: PathRecord, along: Vector, panels: list[Axes], units: Uni
 
 
 def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
-    """Draw the last loop of each amplitude: load factor over the displacement it does work on."""
+    """Draw the last loop of each amplitude: load factor over work-conjugate displacement."""
     for cycle in case.reference.cycles.values():
         factors = np.concatenate([[cycle.amplitude], cycle.increments.factors[:, 0]])
         work = np.concatenate([[cycle.start_work], cycle.increments.load_work])
@@ -286,7 +286,7 @@ def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
 
 
 def plot_energies(case: CaseResult, axes: Axes, units: Units) -> Axes:
-    """Draw the energy per cycle over the amplitude, by slip and as the area of the loop."""
+    """Draw the energy per cycle over the amplitude, from slip and from the area of the loop."""
     cycles = list(case.reference.cycles.values())
     amplitudes = [cycle.amplitude for cycle in cycles]
     axes.plot(amplitudes, [cycle.energies[-1] for cycle in cycles], "o-", label="by slip")
@@ -321,16 +321,16 @@ def loop_figure(results: Results, case: CaseResult) -> Drawn | None:
         stem="loops",
         title=f"{case.name}: loops and energy per cycle",
         caption=(
-            "Left: load factor over the displacement that the load does work on, times the load "
+            "Left: load factor over the displacement along the load, times the load "
             "at factor one, so that the area of a loop is energy. Right: energy per cycle, by "
-            "slip and by that area, which come together as increments shrink. "
+            "slip and by that area; both agree in the limit of small increments. "
             f"Amplitude {notes}."
         ),
     )
 
 
 def _described(cycle: CycleRecord, units: Units) -> str:
-    """Return amplitude, energy, number of cycles and whether they repeat."""
+    """Return amplitude, energy and number of cycles as text."""
     energy = quantity(float(cycle.energies[-1]), units.of("force·length"))
     repeats = "" if cycle.stationary else ", still changing"
     return f"{number(cycle.amplitude)}: {energy} after {len(cycle.energies)} cycles{repeats}"

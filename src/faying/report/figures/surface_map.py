@@ -1,4 +1,4 @@
-"""Fields on an interface, drawn in the interface's own plane."""
+"""Maps of fields on an interface, drawn in its plane or unrolled."""
 
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
@@ -28,17 +28,17 @@ from faying.study.results.values import InterfaceRecord
 from faying.units import Units
 
 Map = Plane | Unrolled
-"""Where an interface is drawn."""
+"""The map of an interface."""
 
 
 def best_plane(record: InterfaceRecord) -> Map:
-    """Return the map of an interface: its plane, its cylinder unrolled, or the best plane."""
+    """Return the map of an interface: its plane, its unrolled cylinder, or the best plane."""
     plane = plane_of(record.pair_points, record.normals, record.weights)
     return plane if plane.flat else unrolled(record.pair_points, record.normals) or plane
 
 
 def looks_both_ways(record: InterfaceRecord) -> bool:
-    """Say whether faces lie over each other in a map, as those of both sides of a plate."""
+    """Return whether faces overlap in a map, as on both sides of a plate."""
     plane = best_plane(record)
     if isinstance(plane, Unrolled):
         return False
@@ -47,7 +47,7 @@ def looks_both_ways(record: InterfaceRecord) -> bool:
 
 
 Panel = Callable[[str, InterfaceRecord, Axes], str]
-"""Draws an interface of a name on axes, and returns the title of the map."""
+"""Function that draws an interface on axes, and returns the title of the map."""
 
 
 def map_figure(
@@ -60,7 +60,7 @@ def map_figure(
 ) -> Figure:
     """Return a figure with a row of maps for each interface, and a legend of states below them.
 
-    Width and room, for what stands above and below the maps, are in inches.
+    Width, and room for titles and legend, are in inches.
     """
     heights = [_height(record, 0.83 * width / len(panels)) for record in records.values()]
     figure = new_figure(width, max(sum(heights), 2.0) + room)
@@ -77,7 +77,7 @@ def map_figure(
 
 
 def _height(record: InterfaceRecord, width: float) -> float:
-    """Return the height [inch] of a panel that holds a map at a given width, labels included."""
+    """Return the height [inch] of a panel with a map of a given width and its labels."""
     flat = best_plane(record).project(record.pair_points)
     across, up = np.ptp(flat, axis=0) if len(flat) else (1.0, 1.0)
     ratio = up / across if across > 0 else 1.0
@@ -85,7 +85,7 @@ def _height(record: InterfaceRecord, width: float) -> float:
 
 
 def draw_faces(record: InterfaceRecord, axes: Axes, units: Units) -> Map:
-    """Draw the facets of an interface as empty grey surfaces; return the map they lie in."""
+    """Draw the facets of an interface as grey surfaces, and return their map."""
     plane = best_plane(record)
     faces = covered(record, plane)
     flat = np.concatenate([np.empty((0, 2)), *faces])
@@ -127,8 +127,8 @@ def draw_map(
 ) -> Axes:
     """Draw values at the contact points of an interface, each over the area nearest to it.
 
-    Values (n_point,) are grey where they are NaN, and may be marked by a cross at the largest.
-    Limits are those at the ends of the colours; the bar is pointed where values go beyond both.
+    Points with the value NaN are grey; ``mark`` draws a cross at the largest value.
+    ``limits`` are the ends of the colour scale, which is pointed if values exceed both.
     """
     low, high = limits if limits[1] > limits[0] else (limits[0], limits[0] + 1.0)
     scale = Normalize(vmin=low, vmax=high)
@@ -150,7 +150,7 @@ def draw_states(
     units: Units,
     colours: Mapping[str, str],
 ) -> Axes:
-    """Draw a state at each contact point (n_point,): the number of one of the named colours."""
+    """Draw the state of each contact point (n_point,): the number of a named colour."""
     scale = Normalize(vmin=-0.5, vmax=len(colours) - 0.5)
     plane = draw_faces(record, axes, units)
     _draw_points(
@@ -187,7 +187,7 @@ def _draw_points(
         aspect="equal",
         zorder=1.5,
     )
-    # Shown only where the two sides lie on each other.
+    # Clipped to the area in which both sides overlap.
     region = Outline.make_compound_path(*map(_closed, polygons))
     patch = PathPatch(region, transform=axes.transData, facecolor="none", edgecolor="none")
     axes.add_patch(patch)
@@ -198,7 +198,7 @@ def _draw_points(
 
 
 def covered(record: InterfaceRecord, plane: Map) -> list[Matrix]:
-    """Return the polygons (n_corner, 2) where the two sides lie on each other, in the map."""
+    """Return the polygons (n_corner, 2) of the map in which both sides overlap."""
     flat, first = plane.project(record.pair_points), 0
     polygons: list[Matrix] = []
     for kind, nodes in pair_facets(record):
@@ -212,7 +212,7 @@ def covered(record: InterfaceRecord, plane: Map) -> list[Matrix]:
 
 
 def _nearest(record: InterfaceRecord, plane: Map, places: Matrix) -> Indices:
-    """Return the contact points nearest to places of the map, across its cut too."""
+    """Return the contact points nearest to places of the map, also across its cut."""
     flat = plane.project(record.points)
     if isinstance(plane, Unrolled):
         flat = np.concatenate([flat, flat + np.array([plane.period, 0.0])])
@@ -220,7 +220,7 @@ def _nearest(record: InterfaceRecord, plane: Map, places: Matrix) -> Indices:
 
 
 def _closed(polygon: Matrix) -> Outline:
-    """Close a path, counter-clockwise so that a union of facets has no holes."""
+    """Return a closed counter-clockwise path, so that a union of facets has no holes."""
     x, y = polygon.T
     turn = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
     ring = polygon if turn >= 0 else polygon[::-1]
@@ -228,12 +228,12 @@ def _closed(polygon: Matrix) -> Outline:
 
 
 def outline(record: InterfaceRecord) -> Matrix:
-    """Return the edges (n_edge, 2, 3) that bound an interface: those of one facet only."""
+    """Return the boundary edges (n_edge, 2, 3) of an interface, which belong to one facet."""
     return outline_of(pair_facets(record), record.pair_points)
 
 
 def _colour_bar(axes: Axes, scale: ScalarMappable, label: str, extend: str) -> None:
-    """Put a colour bar beside a map, or below a long one."""
+    """Add a colour bar beside a map, or below a long map."""
     width, height = (abs(np.diff(limits)[0]) for limits in (axes.get_xlim(), axes.get_ylim()))
     figure: Any = axes.figure
     if width > 5 * height:

@@ -1,1 +1,1 @@
-"""What a reader can turn, zoom and point at in a report: its data, and the scripts that draw it."""
+"""The 3-D view of a report: its data, and the scripts that draw it."""

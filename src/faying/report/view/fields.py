@@ -1,4 +1,4 @@
-"""What a report shows on the contact faces, in the order in which it is kept if room is short."""
+"""Fields on the contact faces of the view, in order of priority if room is short."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -17,16 +17,16 @@ from faying.units import Units
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Frames:
-    """States of a load case, one after the other.
+    """The shown states of a load case in order.
 
     Attributes
     ----------
     label, unit
-        What tells them apart; no label where there is one only.
+        Quantity of the states, such as time; no label if there is one state.
     values
-        Its values.
+        Values of that quantity.
     chosen
-        Their numbers among all that were computed.
+        Numbers of the shown states among all.
     """
 
     label: str
@@ -36,7 +36,7 @@ class Frames:
 
 
 def frames(case: CaseResult, units: Units) -> Frames:
-    """Choose the states of a load case that are shown: evenly, and where pressure is largest."""
+    """Return the shown states of a load case: evenly spaced, and that of largest pressure."""
     paths = increments(case.reference)
     if paths:
         path = paths[-1]
@@ -54,23 +54,23 @@ def frames(case: CaseResult, units: Units) -> Frames:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Field:
-    """A field of one load case and model.
+    """A field of a load case and a model.
 
     Attributes
     ----------
     case, model
-        Their numbers in the view.
+        Numbers of load case and model in the view.
     name
         ``"pressure"``, ``"gap"``, ``"slip"`` or ``"displacement"``.
     at
-        Numbers of the frames it is known in.
+        Numbers of the frames that have the field.
     values
-        Returns the values, (n_pair, n_frame) as nodal averages of all interfaces one after the
-        other; of displacements shapes (n, 3 n_shape) at the nodes of the outer surface.
+        Function that returns nodal averages (n_pair, n_frame) of all interfaces in
+        order; for displacements, shapes (n, 3 n_shape) at the nodes of the outer surface.
     amplitudes : (n_frame, n_shape), optional
-        Of displacements, how much of each shape a frame has.
+        Factors of the shapes of displacements in each frame.
     largest
-        Of displacements, the largest of all frames.
+        Largest displacement of all frames.
     """
 
     case: int
@@ -90,11 +90,11 @@ ORDER = (
     (("gap", "slip"), False),
     (("displacement",), False),
 )
-"""Fields in the order in which they are kept, and whether those of references or of methods."""
+"""Fields in order of priority, and whether of references or of methods."""
 
 
 def models(case: CaseResult) -> list[tuple[str, Response]]:
-    """Return the models that solved a load case by what people call them, the reference first."""
+    """Return names and responses of the models of a load case, the reference first."""
     responses = [(case.reference_model, case.reference)]
     for method, sizes in case.methods.items():
         responses += [(label(method, n), sizes[n].response) for n in sorted(sizes, reverse=True)]
@@ -102,9 +102,9 @@ def models(case: CaseResult) -> list[tuple[str, Response]]:
 
 
 def fields(results: Results, frames_of: dict[str, Frames], nodes: Indices) -> Iterator[Field]:
-    """Yield the fields of a run in the order in which they are kept.
+    """Yield the fields of a run in order of priority.
 
-    Frames are those of load cases, nodes those of the outer surface.
+    ``frames_of`` has the frames of load cases, ``nodes`` the nodes of the outer surface.
     """
     every = [
         replace(field, case=number, model=index)
@@ -121,7 +121,7 @@ def fields(results: Results, frames_of: dict[str, Frames], nodes: Indices) -> It
 def fields_of_response(
     results: Results, response: Response, frames: Frames, nodes: Indices
 ) -> Iterator[Field]:
-    """Yield the fields of a response, as those of the first model and load case."""
+    """Yield the fields of a response, numbered as the first model and load case."""
     field = partial(Field, case=0, model=0)
     everywhere, last = tuple(range(len(frames.chosen))), (len(frames.chosen) - 1,)
     paths = increments(response)

@@ -1,4 +1,4 @@
-"""The outer surface of the solids, sharp edges on it, and where bodies go when taken apart."""
+"""The outer surface of the solids, its sharp edges, and the exploded view of bodies."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,21 +11,21 @@ from faying.model.elements import FACES
 from faying.model.mesh import Mesh
 
 SHARP = np.cos(np.radians(30.0))
-"""Cosine of the angle between facets from which the edge between them is drawn."""
+"""Cosine of the angle between facets below which their common edge is drawn."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OuterSurface:
-    """What is seen of the solids.
+    """The outer surface of the solids.
 
     Attributes
     ----------
     nodes : (n,)
-        Which nodes of the mesh are on it, in the order in which the triangles first name them.
+        Nodes of the mesh on the surface, in the order of their first triangle.
     triangles : (n_triangle, 3)
         Indices of ``nodes``, counter-clockwise seen from outside.
     edges : (n_edge, 2)
-        Indices of ``nodes``: edges of one triangle only, or between triangles at an angle.
+        Indices of ``nodes``: edges at the boundary, or between triangles at an angle.
     """
 
     nodes: Indices
@@ -33,7 +33,7 @@ class OuterSurface:
     edges: Indices
 
     def outline(self, more: Indices) -> "OuterSurface":
-        """Return the edges alone, with the nodes on them and more nodes of the mesh."""
+        """Return only the edges, with their nodes and more nodes of the mesh."""
         outline_nodes, inverse = np.unique(
             np.concatenate([self.nodes[self.edges].ravel(), np.ravel(more)]), return_inverse=True
         )
@@ -45,7 +45,7 @@ class OuterSurface:
 
 
 def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
-    """Return the outer surface of the solids of a mesh, and more nodes wherever they are."""
+    """Return the outer surface of the solids of a mesh, with more nodes of the mesh."""
     faces = mesh.exterior.by_kind()
     parts = [triangles_of(kind, nodes) for kind, nodes in faces.items()]
     triangles = np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
@@ -62,12 +62,12 @@ def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
 
 
 def triangles_of(kind: str, facets: Indices) -> Indices:
-    """Divide facets of one kind (n_facet, at least n_node_per_face) into triangles (n, 3)."""
+    """Return triangles (n, 3) of facets of a kind (n_facet, at least n_node_per_face)."""
     return np.asarray(facets)[:, np.array(FACES[kind].triangles)].reshape(-1, 3)
 
 
 def sharp_edges(points: Matrix, triangles: Indices) -> Indices:
-    """Return the edges (n_edge, 2) that bound a surface or at which it turns by 30° or more."""
+    """Return the edges (n_edge, 2) at the boundary of a surface, or with a turn above 30°."""
     corners = points[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -89,11 +89,11 @@ def sharp_edges(points: Matrix, triangles: Indices) -> Indices:
 
 
 def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix:
-    """Return a direction to move each body in (n_body, 3), so that every interface opens by one.
+    """Return a displacement (n_body, 3) of each body, so that every interface opens by one.
 
-    Least squares over the interfaces, the bodies at rest in the mean. An interface whose normals
-    cancel, or that touches one body only, opens nothing. Nodes (n_node,) have the number of their
-    body, -1 where none.
+    Least squares over the interfaces, with zero mean of the bodies. An interface whose normals
+    cancel, or that has one body only, is ignored. ``body`` (n_node,) is the number of each node's
+    body, -1 without a body.
     """
     n_body = int(body.max(initial=-1)) + 1
     rows, directions = [], []
@@ -103,7 +103,7 @@ def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix
             continue
         normal = record.weights @ record.normals / total
         minus, plus = (int(np.bincount(body[side] + 1).argmax()) - 1 for side in record.pairs.T)
-        # Where normals cancel an interface closes on itself, like a pin in its hole.
+        # Normals cancel where an interface is closed, like a pin in its hole.
         if minus == plus or min(minus, plus) < 0 or np.linalg.norm(normal) < 0.1:
             continue
         row = np.zeros(n_body)
@@ -112,5 +112,5 @@ def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix
         directions.append(normal / np.linalg.norm(normal))
     if not rows:
         return np.zeros((n_body, 3))
-    # Of all solutions the shortest: every connected group of bodies keeps its mean place.
+    # The shortest solution keeps the mean place of every connected group of bodies.
     return np.asarray(np.linalg.lstsq(np.array(rows), np.array(directions), rcond=None)[0])

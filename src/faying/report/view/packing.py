@@ -9,21 +9,21 @@ import numpy as np
 from faying._typing import Indices, Matrix
 
 STEPS = int(np.iinfo(np.uint16).max)
-"""Steps between the smallest and the largest number of an array."""
+"""Number of steps between the smallest and the largest value of an array."""
 
 
 class Packed(TypedDict):
-    """An array as the page's script unpacks it.
+    """An array in the form that the page's script unpacks.
 
     Attributes
     ----------
     shape
         Rows and columns.
     low, high
-        Per column the numbers that 0 and ``STEPS`` stand for; absent of integers.
+        Values of 0 and ``STEPS`` for each column; empty for integers.
     data
-        Differences down the columns, column after column, their bytes from the lowest to the
-        highest each in one row, deflated (zlib) and in base64.
+        Differences along the columns, column after column, their bytes from the lowest to the
+        highest in separate rows, deflated (zlib) and in base64.
     """
 
     shape: list[int]
@@ -33,11 +33,11 @@ class Packed(TypedDict):
 
 
 def packed_numbers(values: Matrix) -> Packed:
-    """Pack numbers (n, k), each column to a 65535th of its range.
+    """Return packed numbers (n, k), each column to a 65535th of its range.
 
     Notes
     -----
-    Neighbours in a mesh are neighbours in numbers, so that differences are small and deflate well.
+    Neighbouring nodes have neighbouring numbers, so that differences are small and deflate well.
     """
     table = np.asarray(values, dtype=float)
     low, high = (_ends(table, take) for take in (np.min, np.max))
@@ -49,7 +49,7 @@ def packed_numbers(values: Matrix) -> Packed:
 
 
 def packed_integers(values: Indices) -> Packed:
-    """Pack integers (n, k) from 0 up to 2³² − 1 without loss."""
+    """Return packed integers (n, k) from 0 to 2³² − 1, without loss."""
     table = np.asarray(values, dtype=np.int64)
     return Packed(shape=list(table.shape), low=[], high=[], data=_deflated(table, 4))
 

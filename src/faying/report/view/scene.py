@@ -1,4 +1,4 @@
-"""The joint as a page draws it: bodies, contact faces, bolts, and fields while there is room."""
+"""The data of the view: bodies, contact faces, bolts, and fields while there is room."""
 
 import json
 from dataclasses import dataclass
@@ -27,10 +27,10 @@ from faying.study.judgement.verdict import run_verdict
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
 
 ROOM = 4_000_000
-"""Bytes of a page for what its view shows; with scripts, text and tables it stays below 5 MB."""
+"""Bytes of the view's data; with scripts, text and tables the page stays below 5 MB."""
 
 MOST_NODES = 150_000
-"""Nodes of an outer surface beyond which only its edges are drawn."""
+"""Nodes of an outer surface above which only its edges are drawn."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,9 +40,9 @@ class SceneText:
     Attributes
     ----------
     text
-        Safe within a script element.
+        JSON text, safe within a script element.
     notes
-        What there was no room for.
+        Sentences about left out data.
     """
 
     text: str
@@ -50,10 +50,10 @@ class SceneText:
 
 
 def scene(results: Results, room: int = ROOM) -> SceneText | None:
-    """Return what the page draws, at most about ``room`` bytes; None where there is no surface.
+    """Return the data of the view, at most about ``room`` bytes; None without a surface.
 
-    It begins with the load case and the field that decide. The outer surface of the solids is
-    shown, and nodal averages on the contact faces. Fields are kept in their order until one does
+    The view starts with the deciding load case and field. The outer surface of the solids is
+    shown, and nodal averages on the contact faces. Fields are added by priority until one does
     not fit.
     """
     verdict, pairs = (
@@ -113,16 +113,14 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
             continue
         shown["cases"][field.case]["models"][field.model]["fields"][field.name] = packed
     if left_out:
-        notes.append(
-            f"{left_out} more fields are in results.h5 alone, for the page is to stay below 5 MB."
-        )
-    # A name may hold what would end the script.
+        notes.append(f"{left_out} more fields are only in results.h5, to keep the page below 5 MB.")
+    # A name could otherwise end the script.
     text = json.dumps(shown, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
     return SceneText(text=text, notes=tuple(notes))
 
 
 def _thinned(results: Results) -> list[str]:
-    """Say how much of the states of load cases is shown."""
+    """Return a note about the number of shown states and shapes."""
     all_motions = (case.reference.motion for case in results.cases.values())
     motions = [motion for motion in all_motions if motion is not None]
     if not motions:
@@ -130,8 +128,8 @@ def _thinned(results: Results) -> list[str]:
     states, shapes = (max(motion.amplitudes.shape[axis] for motion in motions) for axis in (0, 1))
     missed = max(motion.missed for motion in motions)
     return [
-        f"Of load cases in time or increments up to {states} states are shown, displaced as the "
-        f"reference is, by up to {shapes} shapes that miss at most {percent(missed)} of the "
+        f"Load cases in time or increments have up to {states} states here, displaced as the "
+        f"reference, by up to {shapes} shapes with an error of at most {percent(missed)} of the "
         "largest displacement."
     ]
 
@@ -161,7 +159,7 @@ def _sides(
 ) -> dict[str, Any]:
     parts = [triangles_of(kind, nodes) for kind, nodes in pair_facets(record)]
     plane = best_plane(record)
-    # Meshes that do not match share one set of points: the plus nodes are neighbours only.
+    # Non-matching meshes share one set of points, since plus nodes are only neighbours.
     points = (
         results.nodes[record.pairs.T]
         if record.face_coverage is None
@@ -180,7 +178,7 @@ def _sides(
 
 
 def _start(verdict: JointVerdict, cases: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the load case and the quantity that decide; else the largest pressure of all."""
+    """Return the deciding load case and quantity, or the case of the largest pressure."""
     peaks, names = [case["peak"] for case in cases], [case["name"] for case in cases]
     check = verdict.decides
     if check is None or check.case not in names:
@@ -192,7 +190,7 @@ def _start(verdict: JointVerdict, cases: list[dict[str, Any]]) -> dict[str, Any]
 
 
 QUIET, LOUD = "#4d5761", "#d01c1c"
-"""Colours of bolts: of all, and of those of which a check is not met."""
+"""Colours of bolts: normal, and with a check that is not met."""
 
 
 def _bolts(results: Results, surface: OuterSurface, verdict: JointVerdict) -> list[dict[str, Any]]:
@@ -237,7 +235,7 @@ def _forces(response: Response, shown: Frames) -> dict[str, list[float]]:
 
 
 def _preload(results: Results) -> dict[str, Any]:
-    """Return the joint as tightened in the form of a load case."""
+    """Return the tightened joint in the form of a load case."""
     whole = np.concatenate([record.preload_pressure for record in results.interfaces.values()])
     pressure = packed_numbers(averages(results, whole[None]))
     return {
@@ -256,7 +254,7 @@ def _preload(results: Results) -> dict[str, Any]:
 
 
 def _short(values: Any) -> list[float]:
-    """Return numbers to six digits, which no picture shows more of."""
+    """Return numbers rounded to six digits."""
     return [float(f"{value:.6g}") for value in values]
 
 
@@ -274,13 +272,13 @@ OWN = (
 
 @cache
 def three() -> str:
-    """Return the part of three.js that the view uses, its licence before it."""
+    """Return the used part of three.js, preceded by its licence."""
     return f"/*! three.js\n{_text('three.LICENSE.txt')}*/\n{_text('three.min.js')}"
 
 
 @cache
 def own() -> str:
-    """Return the scripts of the page, which share a scope of their own."""
+    """Return the scripts of the page in a common scope."""
     return '(() => {\n"use strict";\n' + "\n".join(map(_text, OWN)) + "})();"
 
 

@@ -1,1 +1,1 @@
-"""From a checked study to the model and the loads that are computed."""
+"""From a checked study to its model and loads."""

@@ -1,4 +1,4 @@
-"""The bolts of a study: what they are made of, and the force each is brought to or locked at."""
+"""The bolts of a study: their elements, preloads and initial forces."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,12 +19,12 @@ from faying.study.keys.threads import StudyBolts, thread_of
 
 
 def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
-    """Return the keys of each bolt but its forces, with nodes of a deck turned into elements.
+    """Return the keys of each bolt without its forces, with nodes of a deck turned into elements.
 
     Raises
     ------
     StudyError
-        If no beam and no single spring of the deck joins the nodes.
+        If neither a beam nor a single spring of the deck joins the nodes.
     """
     entries = []
     for number, bolt in enumerate(study.bolts):
@@ -39,7 +39,7 @@ def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
 
 
 def _measures(study: Study, bolt: BoltSection) -> dict[str, float]:
-    """Return the diameter of a bolt of a size, and the radius of the face under its head."""
+    """Return the diameter of a bolt of a standard size, and the bearing radius under its head."""
     thread = thread_of(bolt, study.units)
     if thread is None:
         return {}
@@ -50,7 +50,7 @@ def _measures(study: Study, bolt: BoltSection) -> dict[str, float]:
 def _elements_between(
     study: Study, number: int, bolt: BoltSection, assembly: Assembly
 ) -> tuple[int, ...]:
-    """Beams of the deck, or else its one axial spring, with both ends among the nodes of a bolt."""
+    """Return the ids of the beams, or of the axial spring, between the nodes of a bolt."""
     nodes = set(assembly.mesh.node_index(np.array(bolt.nodes or ())).tolist())
     beams = tuple(beam.id for beam in assembly.beams if nodes.issuperset(beam.nodes))
     springs = tuple(
@@ -75,7 +75,7 @@ def _elements_between(
 
 
 def check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
-    """Refuse two bolts that tighten the same element, as the deck's and the study's own may."""
+    """Refuse two bolts, of the deck or the study, that tighten the same element."""
     owner: dict[int, str] = {}
     for bolt in bolts:
         for element in bolt.elements or ():
@@ -93,9 +93,9 @@ def check_no_second_preload(
     bolts: tuple[BoltSpec, ...],
     tightened: Mapping[str, float],
 ) -> None:
-    """Refuse loads of the deck that pull the ends of a bolt together, for that is a preload too.
+    """Refuse loads of the deck that pull the ends of a bolt together, which are a second preload.
 
-    Bolts are tightened to a final or initial force [force].
+    ``tightened`` holds the final or initial force [force] of each bolt.
     """
     wished = {load.deck_load for _, load in loadings(study)}
     applied = [name for name in assembly.loads if name in wished]
@@ -114,7 +114,7 @@ def check_no_second_preload(
 
 
 def _nodes_of(assembly: Assembly, bolt: BoltSpec) -> list[int]:
-    """Node indices of all beams and springs a bolt of the deck is made of."""
+    """Return the node indices of the beams and springs of a bolt."""
     elements = set(bolt.elements or ())
     beams = [node for beam in assembly.beams if beam.id in elements for node in beam.nodes]
     springs = [
@@ -124,7 +124,7 @@ def _nodes_of(assembly: Assembly, bolt: BoltSpec) -> list[int]:
 
 
 def _pull(load: NodalLoads, nodes: list[int]) -> float:
-    """Return the force at one of two nodes that are pulled in opposite directions; else zero."""
+    """Return the force of a load that pulls nodes in opposite directions; zero of other loads."""
     forces = load.forces[np.isin(load.nodes, nodes), :3]
     sizes = np.linalg.norm(forces, axis=1)
     largest = float(sizes.max(initial=0.0))
@@ -133,7 +133,7 @@ def _pull(load: NodalLoads, nodes: list[int]) -> float:
 
 
 def initial_forces(study: Study, described: JointDescription) -> dict[str, float]:
-    """Return the initial forces that the study, or else the source, locks bolts at, by name."""
+    """Return the initial forces at which the study or the source locks bolts, by bolt name."""
     tightened = StudyBolts.of(study).forces
     forces = {n: force for n, force in described.initial_forces.items() if n not in tightened}
     wished = {b.name: b.initial_force for b in study.bolts if b.initial_force is not None}
@@ -141,7 +141,7 @@ def initial_forces(study: Study, described: JointDescription) -> dict[str, float
 
 
 def losses(study: Study) -> dict[str, PreloadLoss]:
-    """Return what bolts lose after they are tightened, of those that lose something."""
+    """Return the preload losses after tightening, by bolt name, where they are not zero."""
     return {
         bolt.name: PreloadLoss(embedding=bolt.embedding, relaxation=bolt.relaxation)
         for bolt in study.bolts
@@ -152,7 +152,7 @@ def losses(study: Study) -> dict[str, PreloadLoss]:
 def unlocked(
     study: Study, described: JointDescription, bolts: Sequence[BoltSpec]
 ) -> list[BoltSpec]:
-    """Return the bolts that the source never locks, but for those whose force the study gives."""
+    """Return the bolts that neither the source locks nor the study gives a force."""
     forced = StudyBolts.of(study).forced
     return [bolt for bolt in bolts if bolt.name in described.unlocked - forced]
 
@@ -160,7 +160,7 @@ def unlocked(
 def preloads(
     study: Study, described: JointDescription, bolts: tuple[BoltSpec, ...]
 ) -> dict[str, float]:
-    """Return the final force of every bolt that is not locked at an initial one."""
+    """Return the final force of every bolt that is not locked at an initial force."""
     wished = StudyBolts.of(study).forces
     locked = initial_forces(study, described)
     forces = {**described.preloads, **wished}
@@ -171,11 +171,11 @@ def preloads(
         if bolt.name not in forces:
             refuse_study(
                 f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
-                f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
+                f'with name = "{bolt.name}" and preload = its final force (0 if not tightened)'
             )
         if not forces[bolt.name] >= 0:
             refuse_study(
                 f"{study.path.name}: bolt '{bolt.name}' has the preload {forces[bolt.name]:g}, "
-                "which presses it; give a positive final force in the deck or by [[bolt]]"
+                "which is compressive; give a positive final force in the deck or by [[bolt]]"
             )
     return forces

@@ -1,4 +1,4 @@
-"""Jumps in loads: what no structure sees, and how slowly they would have to rise."""
+"""Jumps in loads, and the rise time that would avoid their effects."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from faying.study.inputs.loads import case_load
 from faying.study.keys.tables import DEFAULT_INSTANTS, LoadCaseSection
 
 SUDDEN = 0.5
-"""Part of a load's largest value that comes or goes within the window, from which on it jumps."""
+"""Change within the window, over the largest value of a load, above which the load jumps."""
 
 RISE = 0.25
-"""Part of the longest period over which a load may rise without exciting much above it.
+"""Rise time over the longest period that hardly excites shorter periods.
 
 On three joints reduced transients were 12 to 98 % off after a jump where they were 6 to 10 % off
-after a rise so long (``benchmarks/transient_estimate.py``).
+after a rise of this length (``benchmarks/transient_estimate.py``).
 """
 
 
@@ -29,15 +29,15 @@ class Jump:
     load
         ``"boundary.component"`` or the name of a load of the deck.
     time : [time]
-        When it begins.
+        Beginning of the jump.
     change : [force]
-        By how much the load changes: force, moment or factor.
+        Change of the load: force, moment or factor.
     share : [1]
-        The same over the largest magnitude of the load.
+        Change over the largest magnitude of the load.
     window : [time]
-        Within which it does so; zero at an instant.
+        Length of the jump; zero if instantaneous.
     rise : [time]
-        Over which it is proposed to rise; None where the period is not known.
+        Proposed rise time; None where the period is unknown.
     """
 
     load: str
@@ -53,10 +53,10 @@ def load_jumps(
 ) -> list[Jump]:
     """Return the jumps of a transient load case, the largest one of each load.
 
-    Static load cases have none. The step [time] is that of the time integration, the period [time]
-    the longest one of the structure, as far as they are known. A load jumps within the longer of
-    the step and that by default, a hundredth of the period; without either only what begins with a
-    value other than zero does.
+    Static load cases have none. The step [time] of the time integration and the longest period
+    [time] of the structure may be unknown. A load jumps if it changes within the longer of
+    the step and the default step, a hundredth of the period. If both are unknown, only a load
+    that begins with a value other than zero jumps.
     """
     if not case.transient:
         return []
@@ -84,9 +84,9 @@ def _jumps(case: LoadCaseSection, window: float, rise: float | None) -> Iterator
 
 
 def _largest_change(history: History, window: float) -> tuple[float, float, float]:
-    """Return when a load that is zero before t = 0 changes most, by how much, and how fast.
+    """Return time, value and duration of the largest change of a load that is zero before t = 0.
 
-    A change of a piecewise linear function over a window is largest where one of its ends is a
+    The change of a piecewise linear function over a window is largest where one end is a
     sample.
     """
     start = float(history.at(np.zeros(1))[0])
@@ -101,30 +101,28 @@ def _largest_change(history: History, window: float) -> tuple[float, float, floa
 
 
 def jump_sentence(case: str, jumps: Sequence[Jump], time_unit: str, *, history: bool) -> str:
-    """Say of the jumps of a load case what they are and what would be better; empty without any.
+    """Return a sentence about the jumps of a load case and a better rise time; empty without jumps.
 
-    Loads with a history come from files, which then have to rise there.
+    A load from a ``history`` must be changed in its file.
     """
     if not jumps:
         return ""
-    loads = ", ".join(_told(jump, time_unit) for jump in jumps)
+    loads = ", ".join(_describe_jump(jump, time_unit) for jump in jumps)
     said = (
-        f"{case}: {loads} jump{'s' * (len(jumps) == 1)}. No structure sees such a load, for real "
-        "ones rise: a jump excites motions above all that reduced models carry and the time step "
-        "resolves, and pressures right after it are uncertain in every model."
+        f"{case}: {loads} jump{'s' * (len(jumps) == 1)}. Real loads rise over some time. A jump "
+        "excites vibrations faster than those that reduced models contain and the time step "
+        "resolves, so pressures right after it are uncertain in every model."
     )
     rises = [jump.rise for jump in jumps if jump.rise is not None]
     if not rises:
-        return (
-            f"{said} Let it rise over about a quarter of the longest period; a run says how long."
-        )
+        return f"{said} Let it rise over about a quarter of the longest period, which a run prints."
     rise = f"{max(rises):.3g}"
     there = "in its file" if history else f"with rise_time = {rise} in its [[load_case]]"
     span = f"{rise} {time_unit}".rstrip()
     return f"{said} Let it rise over a quarter of the longest period, {span}, {there}."
 
 
-def _told(jump: Jump, time_unit: str) -> str:
+def _describe_jump(jump: Jump, time_unit: str) -> str:
     instant = f"{jump.time:.3g} {time_unit}".rstrip()
     within = f" within {jump.window:.3g} {time_unit}".rstrip() if jump.window else ""
     return f"{jump.load} (by {jump.change:.6g} at t = {instant}{within})"

@@ -1,4 +1,4 @@
-"""From a study to what :func:`faying.joint.build.build_model` takes, and to the model."""
+"""From a study to the arguments of :func:`faying.joint.build.build_model`, and to the model."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -48,19 +48,19 @@ Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadedModel:
-    """A study with its source read, and what both together make of the model.
+    """A study and its source, merged into the description of a model.
 
     Attributes
     ----------
     study
     source
-        What the source says itself.
+        Model description of the source alone.
     assembly, interfaces, bolts, boundaries
-        With the study's own wishes on top.
+        Parts of the model, with the overrides of the study.
     preloads : [force]
-        Bolt name to its final force.
+        Final force by bolt name.
     initial_forces : [force]
-        Bolt name to the initial force it is locked at, of those that have no final one.
+        Initial force, at which a bolt is locked, by bolt name; for bolts without a final force.
     """
 
     study: Study
@@ -74,30 +74,30 @@ class LoadedModel:
 
     @property
     def damping(self) -> Rayleigh:
-        """Damping of the structure."""
+        """Rayleigh damping of the structure."""
         return Rayleigh(**self.study.damping.model_dump())
 
     @property
     def remedy(self) -> str:
-        """What to do about bodies that nothing holds."""
+        """Advice about bodies without support."""
         springs = self.study.model.weak_springs
         return REMEDY if springs is None else REMEDY_BESIDE_SPRINGS
 
 
 def load_model(study: Study, source: JointDescription | None = None) -> LoadedModel:
-    """Read or generate the structure a study names and put the study's own wishes on top.
+    """Read or generate the structure of a study, with the overrides of the study.
 
     Parameters
     ----------
     source
-        What :func:`read_source` gave for a study of the same structure; read unless given.
+        Result of :func:`read_source` for a study of the same structure; read unless given.
 
     Raises
     ------
     StudyError
-        If the study names something the source does not have.
+        If the study names an entity that the source does not have.
     FormatError, ModelError
-        If the source cannot be read or does not make a model.
+        If the source cannot be read or its model cannot be built.
     """
     described = read_source(study) if source is None else source
     assembly = with_study_supports(with_study_sets(described.assembly, study), study)
@@ -106,7 +106,7 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
     check_distinct_bolts(study, bolts)
     entries = [stated(boundary, BoundarySpec) for boundary in study.boundaries]
     boundaries = _merged(study, "boundary", described.boundaries, entries)
-    # Gaps are added where points exist.
+    # Gaps are added later, at the contact points.
     entries = [stated(interface, InterfaceSpec) for interface in study.interfaces]
     interfaces = _merged(study, "interface", described.interfaces, entries)
     names = [spec.name for spec in boundaries]
@@ -128,7 +128,7 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
 
 
 def build_loaded(loaded: LoadedModel) -> Model:
-    """Build the model from what was loaded, initial gaps and loads of the deck included."""
+    """Build the model of a loaded study, with initial gaps and loads of the deck."""
     study, source = loaded.study, loaded.source
     model = build_model(
         loaded.assembly,
@@ -144,7 +144,7 @@ def build_loaded(loaded: LoadedModel) -> Model:
         model = with_weak_springs(model, study.model.weak_springs)
     gaps = {i.name: i.initial_gap for i in study.interfaces if i.initial_gap is not None}
     mesh = model.assembly.mesh
-    # A gap that the study gives counts instead of the value of a rule.
+    # A gap of the study replaces the value of a rule of the source.
     ruled = {
         name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
         for name, rule in source.gap_rules.items()
@@ -175,7 +175,7 @@ def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:
 
 
 def check_interfaces(study: Study, loaded: LoadedModel) -> None:
-    """Refuse to compute a model in which nothing touches."""
+    """Refuse a model without contact interfaces."""
     if not loaded.interfaces:
         refuse_study(
             f"{study.path.name}: neither the study nor its source has a contact interface; add "
@@ -184,7 +184,7 @@ def check_interfaces(study: Study, loaded: LoadedModel) -> None:
 
 
 def build(study: Study) -> Model:
-    """Build the model of a study; check that it is held and its loads find their components.
+    """Build the model of a study, and check its supports and loads.
 
     Raises
     ------
@@ -202,7 +202,7 @@ def build(study: Study) -> Model:
 
 
 def read_source(study: Study) -> JointDescription:
-    """Read what the source says, with the study's materials and formulation of bricks."""
+    """Read the source of a study, with the materials and brick formulation of the study."""
     source, model = SOURCES[study.model.source], study.model
     described = source.read(
         SourceKeys(
@@ -219,11 +219,11 @@ def read_source(study: Study) -> JointDescription:
     if source.is_deck:
         check_surfaces(described, model.file or Path())
     described = part_of(described, model.parts, model.without)
-    return _as_wished(described, study) if source.is_deck else described
+    return _with_overrides(described, study) if source.is_deck else described
 
 
-def _as_wished(described: JointDescription, study: Study) -> JointDescription:
-    """Replace materials and the formulation of bricks by what the study says."""
+def _with_overrides(described: JointDescription, study: Study) -> JointDescription:
+    """Replace materials and brick formulation by those of the study."""
     assembly = _with_materials(described.assembly, study)
     if "element" in study.model.model_fields_set:
         blocks = tuple(
@@ -237,7 +237,7 @@ def _as_wished(described: JointDescription, study: Study) -> JointDescription:
 
 
 def _with_materials(assembly: Assembly, study: Study) -> Assembly:
-    """Replace material constants of solids and beams, by material name or property id."""
+    """Replace material constants of solids and beams by material name or property id."""
     solids = {str(number): material for number, material in assembly.materials.items()}
     names = {material.name for material in solids.values()}
     names |= {beam.material.name for beam in assembly.beams}
@@ -249,8 +249,8 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
         if any(name in section.materials for section in assembly.shell_sections.values()):
             location = study.source.table(("material", name))
             refuse_study(
-                f"{location}: shells are made of material '{name}' too, whose sections keep the "
-                "constants of the deck; change it there"
+                f"{location}: shells use material '{name}' too, and their sections keep the "
+                "constants of the deck; change them there"
             )
 
     def chosen(material: Material, number: int) -> Material:
@@ -267,7 +267,7 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
 def _merged(
     study: Study, table: str, defaults: tuple[Spec, ...], entries: list[dict[str, Any]]
 ) -> tuple[Spec, ...]:
-    """Override the specs of a source by the entries of the same name, and append new ones."""
+    """Return the specs of a source, overridden by entries of the same name, and new entries."""
     specs = {spec.name: spec for spec in defaults}
     new = {"interface": InterfaceSpec, "bolt": BoltSpec, "boundary": BoundarySpec}[table]
     problems: list[Problem] = []
@@ -291,11 +291,11 @@ PLACES = {
     "bolt": {"elements", "nodes", "axis"},
     "boundary": {"set", "node"},
 }
-"""Keys that say where something is; an entry without them speaks of what the source has."""
+"""Keys that place an entity; an entry without them overrides an entity of the source."""
 
 
 def _without_replaced(table: str, entry: dict[str, Any]) -> dict[str, Any]:
-    """Clear the place of a boundary, or the law of an interface, that the study replaces."""
+    """Clear the place of a boundary, or the law of an interface, that an entry replaces."""
     if table == "boundary" and PLACES[table].intersection(entry):
         return {"set": None, "node": None, **entry}
     if table == "interface" and {"penalty", "closure"}.intersection(entry):
@@ -306,12 +306,12 @@ def _without_replaced(table: str, entry: dict[str, Any]) -> dict[str, Any]:
 def _refused_overrides(
     study: Study, table: str, number: int, entry: dict[str, Any]
 ) -> Iterator[Problem]:
-    """Keys of a bolt that the source has already turned into elements."""
+    """Yield problems of bolt keys that cannot override a bolt of the source."""
     for key in entry if table == "bolt" else ():
         if key != "name":
             location = (table, number, key)
             text = (
-                "the source has this bolt already, and it takes only a preload here; "
+                "the source defines this bolt, so only its preload can be given here; "
                 + SOURCES[study.model.source].remedy
             )
             yield study.problem(location, text)

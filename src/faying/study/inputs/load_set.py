@@ -1,4 +1,4 @@
-"""Loads for a reduced model: static cases as one matrix, and transients one by one."""
+"""Loads for a reduced model: static cases as one matrix, and loads over time."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,7 +26,7 @@ from faying.study.keys.schema import read_load_cases
 from faying.study.keys.tables import LoadCaseSection
 
 TABLES = (".csv", ".parquet")
-"""Endings of files that are tables of loads."""
+"""File name endings of load tables."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,20 +48,20 @@ class TimedLoad:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadSet:
-    """What a reduced model is to be solved for.
+    """Static cases and loads over time for a reduced model.
 
     Attributes
     ----------
     names
-        Of the static cases.
+        Names of the static cases.
     inputs : (n_case, n_input) [force]
-        Of the static cases.
+        Inputs of the static cases.
     transients
         Loads over time.
     requirement
-        What the file of the loads demands of the joint; None if it says nothing.
+        Requirements in the file of the loads; None without them.
     repetitions
-        Load case to how often it comes in the life of the joint, where that is known.
+        Number of occurrences of a load case in the life of the joint, by case, where known.
     """
 
     names: Sequence[str]
@@ -82,26 +82,26 @@ def read_loads(
 
     The path is a TOML file with load cases; a csv or Parquet table with a row per static case, or
     per instant where it has a column ``time``; or a folder of tables over time. Step [time] and
-    integrator are those of tables over time: by default their interval, of uneven ones the
-    smallest, or a little less so that whole steps end with the table, and :class:`ImplicitEuler`.
+    integrator apply to tables over time. The default step is the interval of the table, the
+    smallest if they differ, shortened to end with the table; then :class:`ImplicitEuler`.
     """
     if path.is_dir():
         files = sorted(file for file in path.iterdir() if file.suffix in TABLES)
         if not files:
-            message = f"{path} has no tables ({', '.join(TABLES)}); name a file or another folder"
+            message = f"{path} has no tables ({', '.join(TABLES)}); give a file or another folder"
             raise StudyError(message)
         twice = [file for file, following in pairwise(files) if file.stem == following.stem]
         if twice:
             refuse_study(
-                f"{path} has two tables of the name '{twice[0].stem}', which is that of their "
-                "results; rename or remove one"
+                f"{path} has two tables named '{twice[0].stem}', whose results would have the same "
+                "name; rename or remove one"
             )
         tables = [read_load_table(file) for file in files]
         static = next((file for file in tables if file.times is None), None)
         if static is not None:
             refuse_study(
-                f"{static.path.name} has no column 'time'; a folder holds loads over time, name a "
-                "table of static cases itself"
+                f"{static.path.name} has no column 'time'; a folder holds loads over time, give a "
+                "table of static cases as a file"
             )
         return _of_histories(rom, tables, step, integrator)
     if path.suffix in TABLES:
@@ -122,20 +122,20 @@ def read_loads(
 
 
 def _not_solved(case: LoadCaseSection) -> Iterator[str]:
-    """Yield what of a load case only a run of a study follows, and what to do instead."""
+    """Yield why a load case needs a run of a study, and what to do instead."""
     if not (case.kind == "static" or case.transient):
         yield (
-            f"is a {case.kind}, which only a run of a study follows; leave it out, or follow it in "
+            f"is a {case.kind}, which only a run of a study solves; leave it out, or solve it in "
             "Python with faying.solve_path"
         )
     if case.tolerance is not None:
         yield (
-            "leaves its time steps to a run of a study; give a number for 'step' and no 'tolerance'"
+            "has a 'tolerance' for time steps, which needs a run; give a 'step' and no 'tolerance'"
         )
     if case.kind == "static" and "increments" in case.model_fields_set:
         yield (
-            "says its increments, which only a run of a study follows; leave 'increments' out, and "
-            f"static cases take {DEFAULT_INCREMENTS} here"
+            "has 'increments', which only a run of a study uses; leave 'increments' out, and "
+            f"static cases use {DEFAULT_INCREMENTS} here"
         )
 
 
@@ -179,7 +179,7 @@ def _of_histories(
         locked = [name for name in table.columns if name.partition(".")[0] == FACTOR]
         if locked:
             refuse_study(
-                f"{table.path.name}: column '{locked[0]}' cannot change over time, for bolts are "
+                f"{table.path.name}: column '{locked[0]}' cannot change over time, since bolts are "
                 "locked; remove it"
             )
         times = np.asarray(table.times)
@@ -197,7 +197,7 @@ def _of_histories(
 
 
 def _table_step(times: Vector) -> float:
-    """Return the length of equal steps to the end of a table, as long as its intervals."""
+    """Return the length of equal time steps of about an interval that end with the table."""
     intervals, end = np.diff(times), float(times[-1])
     shortest, mean = float(intervals.min()), float(intervals.mean())
     if np.ptp(intervals) <= SHORT_DIGITS * mean:
@@ -206,7 +206,7 @@ def _table_step(times: Vector) -> float:
 
 
 def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:
-    """Refuse loads and time steps that the model cannot follow before anything is computed."""
+    """Return loads after refusing those, and time steps, that the model cannot compute."""
     checked = tuple(loads)
     for load in checked:
         load.load.inputs(rom, np.zeros(1))
@@ -219,11 +219,11 @@ def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, 
 
 
 def _period(case: LoadCaseSection, rom: ReducedModel) -> float:
-    """Return the longest period of the full model, which a study may measure time by."""
+    """Return the longest period of the full model, in which a load case may measure time."""
     timed = case.steps_per_period is not None or case.periods is not None
     if timed and rom.period is None:
         refuse_study(
-            f"load case '{case.name}' measures time by the longest period, which this model does "
-            "not know; give 'step' and 'duration', or make the model with faying reduce"
+            f"load case '{case.name}' measures time in the longest period, which this model does "
+            "not store; give 'step' and 'duration', or write the model with faying reduce"
         )
     return rom.period or 1.0

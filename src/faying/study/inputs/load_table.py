@@ -1,4 +1,4 @@
-"""Tables of loads: one row per static case, or one row per instant where there is a time column."""
+"""Tables of loads: one row per static case, or per instant if there is a time column."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,18 +24,18 @@ NAME = "case"
 """Column with the names of static cases; without it they are numbered from 1."""
 
 TIME = "time"
-"""Column that makes a table one history."""
+"""Column of times, which makes a table a load over time."""
 
 REPETITIONS = "repetitions"
-"""Column with how often each static case comes in the life of the joint, for fatigue."""
+"""Column with the occurrences of each static case in the life of the joint, for fatigue."""
 
 FACTOR = "preload_factor"
-"""Factor on the initial forces of all bolts, or with a bolt's name behind a dot of that one."""
+"""Column with a factor on the initial forces of all bolts; ``.BOLT`` appended: of one bolt."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RowNumbers(Sequence[str]):
-    """Names '1', '2' and so on of rows that have none; texts of millions would outweigh a table."""
+    """Row numbers from '1' as names, made on access to save memory."""
 
     n_row: int
 
@@ -49,18 +49,18 @@ class RowNumbers(Sequence[str]):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadTable:
-    """A table as read.
+    """A table of loads read from a file.
 
     Attributes
     ----------
     path
     names
-        Of the rows.
+        Names of the rows.
     columns
-        Name to values (n_row,), names and times left out.
+        Values (n_row,) by column name, without names and times.
     times : (n_row,) or None
     repetitions : (n_row,) or None
-        How often each static case comes.
+        Occurrences of each static case.
     """
 
     path: Path
@@ -96,7 +96,7 @@ def read_load_table(path: Path) -> LoadTable:
 
 
 def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
-    """Return the inputs (n_row, n_input) of the static cases of a table, as those of a load."""
+    """Return the inputs (n_row, n_input) of the static cases of a table."""
     targets = known_columns(joint)
     wrong = [
         f"no column '{name}'; {nearest(name, targets)}"
@@ -104,7 +104,7 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
         if name not in targets
     ]
     if wrong:
-        refuse_study(f"{table.path.name}: columns that the model does not have\n{bulleted(wrong)}")
+        refuse_study(f"{table.path.name}: columns without a load of the model\n{bulleted(wrong)}")
     places = boundary_slices(joint.boundaries)
     n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
     bolts, patterns = list(joint.bolts), list(joint.load_patterns)
@@ -123,7 +123,7 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
             inputs[:, first + patterns.index(name)] = values
         elif owner in places:
             pattern = joint.boundaries[owner].pattern(part)
-            for column in np.flatnonzero(pattern):  # one at a time: tables have millions of rows
+            for column in np.flatnonzero(pattern):  # tables have millions of rows
                 inputs[:, places[owner].start + column] += values * pattern[column]
         elif name != FACTOR:
             _check_factors(table, name)
@@ -133,13 +133,13 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
 
 
 def known_columns(joint: Joint) -> list[str]:
-    """Return the columns of loads that a table for a joint may have."""
+    """Return the names of all columns that a load table for a joint may have."""
     factors = [FACTOR, *(f"{FACTOR}.{name}" for name in joint.bolts)] if joint.bolts else []
     return [*force_columns(joint), *factors]
 
 
 def force_columns(joint: Joint) -> list[str]:
-    """Return the names of loads: components of boundaries, and loads of the deck."""
+    """Return the column names of boundary components, and of loads of the deck."""
     forces = [
         f"{name}.{FORCE_NAMES[component]}"
         for name, boundary in joint.boundaries.items()
@@ -149,19 +149,19 @@ def force_columns(joint: Joint) -> list[str]:
 
 
 def _check_factors(table: LoadTable, name: str) -> None:
-    """Refuse preload factors that are none."""
+    """Refuse preload factors out of range."""
     values = table.columns[name]
     wrong = np.flatnonzero(~((values >= 0) & (values <= MOST_PRELOAD_FACTOR)))
     if wrong.size:
         refuse_study(
             f"{table.path.name}, row {wrong[0] + 1}: column '{name}' has {values[wrong[0]]:g}, "
-            f"expected a factor from 0 to {MOST_PRELOAD_FACTOR:g} on the initial force of bolts; "
-            "divide the force that is meant by the preload of the study"
+            f"expected a factor from 0 to {MOST_PRELOAD_FACTOR:g} on the initial bolt force; "
+            "divide the intended force by the preload of the study"
         )
 
 
 def _check_range(path: Path, columns: Mapping[str, Vector]) -> None:
-    """Refuse numbers whose products with others overflow."""
+    """Refuse numbers so large that products may overflow."""
     for name, values in columns.items():
         large = np.flatnonzero(np.abs(values) > LARGEST)
         if large.size:
@@ -172,12 +172,12 @@ def _check_range(path: Path, columns: Mapping[str, Vector]) -> None:
 
 
 def _check_names(path: Path, names: Sequence[str]) -> None:
-    """Refuse names that cannot be shown, or that two rows have."""
+    """Refuse names that are not printable, too long or not unique."""
     for row, name in enumerate(names, start=1):
         if not name.isprintable() or len(name) > LONGEST_NAME:
             refuse_study(
                 f"{path.name}, row {row}: the name {name[:40]!a} has {len(name)} characters, "
-                f"expected at most {LONGEST_NAME}, all of which can be shown; change it"
+                f"expected at most {LONGEST_NAME} printable ones; change it"
             )
     if len(set(names)) < len(names):
         in_order = sorted(names)
@@ -192,6 +192,6 @@ def _check_repetitions(path: Path, repeated: Vector, *, timed: bool) -> None:
         if wrong.size:
             found = f"row {wrong[0] + 1} has {repeated[wrong[0]]:g}"
         refuse_study(
-            f"{path.name}: column '{REPETITIONS}' counts how often static cases come, but {found}; "
-            "give 0 or more to static cases, and to loads over time in a TOML file"
+            f"{path.name}: column '{REPETITIONS}' counts occurrences of static cases, but {found}; "
+            "give 0 or more for static cases; loads over time have 'repetitions' in a TOML file"
         )

@@ -1,4 +1,4 @@
-"""From the tables of a study to the loads it computes, and to their time steps and lengths."""
+"""Loads of a study, with their time steps and durations."""
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def time_step(timed: Timed, period: float) -> float:
 
 
 def time_span(timed: Timed, period: float) -> float:
-    """Return the length [time]; of a history without one, that of its shortest file."""
+    """Return the duration [time]; the end of the shortest history file by default."""
     if timed.duration is not None:
         return timed.duration
     if timed.periods is None and isinstance(timed, LoadCaseSection):
@@ -42,9 +42,9 @@ def time_span(timed: Timed, period: float) -> float:
 
 
 def instants(timed: Timed) -> tuple[float, ...]:
-    """Return what is equal of runs with the same step and length, whatever the period is.
+    """Return a key that is equal for load cases with equal time step and duration.
 
-    Both grow in proportion to the period or not at all, so two periods tell.
+    Both are proportional to the period or constant, so values at two periods determine them.
     """
     return tuple(of(timed, period) for of in (time_step, time_span) for period in (1.0, 2.0))
 
@@ -55,7 +55,7 @@ def case_load(case: LoadCaseSection) -> Load:
     Raises
     ------
     StudyError
-        If a history file has changed since the study was read and cannot be used any more.
+        If a history file has become invalid since the study was read.
     """
     forces = {force.target: _amount(force) for force in case.forces}
     if case.rise_time is not None:
@@ -64,7 +64,7 @@ def case_load(case: LoadCaseSection) -> Load:
 
 
 def _rising(value: float | History, rise_time: float) -> float | History:
-    """Let a constant load rise by half a cosine, and stay."""
+    """Return a constant load as a history that rises by half a cosine, then stays constant."""
     if isinstance(value, History):
         return value
     part = np.linspace(0.0, 1.0, CURVE_POINTS + 1)
@@ -81,12 +81,12 @@ def training_box(training: TrainingSection) -> LoadBox:
 
 
 def check_loads(study: Study, model: Model) -> None:
-    """Refuse what :func:`check_targets` does, and motions or modes without mass.
+    """Refuse loads as :func:`check_targets`, and transients or modes without mass.
 
     Raises
     ------
     StudyError, ModelError
-        As :func:`check_targets`; or the message says what needs the mass.
+        As :func:`check_targets`, or if the model has no mass where it is needed.
     """
     if missing := missing_mass(study, model):
         raise ModelError(missing)
@@ -94,26 +94,23 @@ def check_loads(study: Study, model: Model) -> None:
 
 
 def missing_mass(study: Study, model: Model) -> str:
-    """Say what needs the mass that a model has not; nothing where there is some, or no need."""
+    """Return a message about missing mass; empty where there is mass, or no need of it."""
     needed_by = _moving(study)
     if not needed_by or model.structure.has_mass:
         return ""
-    return (
-        f"{NO_MASS}, and {needed_by}; give rho where the materials are, or by [material.NAME] in "
-        "the study"
-    )
+    return f"{NO_MASS}, and {needed_by}; give rho in the source, or by [material.NAME] in the study"
 
 
 def check_targets(study: Study, model: Model) -> None:
-    """Refuse loads on components a boundary does not have, and what friction does not go with.
+    """Refuse loads on missing components of boundaries, and options that friction excludes.
 
     Raises
     ------
     StudyError
-        As :func:`faying.study.keys.friction_rules.check_friction`, and of requirements on
-        interfaces that are not there.
+        As :func:`faying.study.keys.friction_rules.check_friction`, and for requirements on
+        unknown interfaces.
     ModelError
-        The message names the boundary and its components.
+        If a load has no such boundary or component.
     """
     check_friction(study, model)
     check_requirements(study, model)
@@ -124,7 +121,7 @@ def check_targets(study: Study, model: Model) -> None:
 
 
 def _moving(study: Study) -> str:
-    """Say what of a study computes a motion or modes; nothing where all of it is static."""
+    """Return which part of a study needs mass, as a phrase; empty where all is static."""
     for case in study.load_cases:
         if case.transient or case.kind == "backbone":
             return f"load case '{case.name}' is a {'transient' if case.transient else 'backbone'}"
@@ -137,7 +134,7 @@ def _moving(study: Study) -> str:
 
 
 def is_trained(study: Study) -> bool:
-    """Say whether a method of the study learns from training runs."""
+    """Return whether a method of the study uses training loads."""
     return any(METHODS[name].trained for name in study.reduction.methods)
 
 

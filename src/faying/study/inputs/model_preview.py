@@ -1,4 +1,4 @@
-"""What can be said of a study that is not ready to run: its model, and what a run would need."""
+"""Preview of a study that is not ready to run: its model, and what a run still needs."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -19,21 +19,21 @@ CANDIDATES: tuple[tuple[InterfaceSpec, Callable[[Assembly, InterfaceSpec], objec
     (InterfaceSpec(name="joint"), find_interfaces),
     (InterfaceSpec(name="joint", meshes="non-matching"), find_couplings),
 )
-"""Where a model without interfaces may have some, the first that is found."""
+"""Interfaces that a model without interfaces may have, in the order in which they are tried."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModelPreview:
-    """A model and what is missing from it.
+    """A model and what is missing for a run.
 
     Attributes
     ----------
     candidate
-        The interface that was found where none is declared, which the model then has.
+        Interface that was found where none is declared; the model contains it.
     free
-        What can move in it.
+        Rigid-body motions of the model without contact.
     needs
-        What a run would still need, in sentences.
+        Phrases that name what a run still needs.
     """
 
     model: Model
@@ -43,9 +43,9 @@ class ModelPreview:
 
 
 def model_preview(study: Study, loaded: LoadedModel, *, bare: bool) -> ModelPreview:
-    """Build the model as far as it can be built.
+    """Build the model of a study as far as possible.
 
-    The faults of a bare deck, without a study, are needs of a run.
+    Faults of a deck without a study count as needs of a run.
     """
     problem = ""
     unknown = not loaded.interfaces and not loaded.source.has_joined_faces
@@ -63,7 +63,7 @@ def model_preview(study: Study, loaded: LoadedModel, *, bare: bool) -> ModelPrev
 
 
 def _candidate(assembly: Assembly) -> InterfaceSpec | None:
-    """Return the contact of all bodies that touch, whether their meshes match or not."""
+    """Return an interface of all bodies that touch, with matching meshes if possible."""
     for spec, find in CANDIDATES:
         try:
             find(assembly, spec)
@@ -74,7 +74,7 @@ def _candidate(assembly: Assembly) -> InterfaceSpec | None:
 
 
 def _without_joint(loaded: LoadedModel) -> Model:
-    """Return the model without contact, and without bolts if these are what cannot be built."""
+    """Return the model without contact, and without bolts if they cannot be built."""
     try:
         return _structure(loaded)
     except ModelError:
@@ -100,27 +100,27 @@ def _needs(
     candidate: InterfaceSpec | None,
 ) -> Iterator[str]:
     if problem:
-        yield f"contact and bolts that can be built: {problem}"
+        yield f"valid contact and bolts: {problem}"
     if not loaded.interfaces and candidate is None:
-        why = "faces found would be those of ties and of cuts through bolts too"
+        why = "faces of ties and cut bolts would be found as well"
         why = why if loaded.source.has_joined_faces else "no bodies touch"
         yield (
-            f"an interface: none is declared, and {why}; name both sides of one, for models "
-            "without contact are read and not computed"
+            f"an interface: none is declared, and {why}; name both sides of one, because models "
+            "without contact are not computed"
         )
     elif not loaded.interfaces and not problem:
-        yield "an interface in the study; those found are above, with what to paste below"
+        yield "an interface in the study; candidates are listed above, and lines to paste below"
     if free.count:
         springs = (
-            "; where contact holds it, weak springs let statics run "
+            "; where contact holds a body, weak springs let static cases run "
             '(weak_springs = "auto" under [model])'
         )
         yield (
-            "supports: something can move, as the rigid-body modes say"
+            "supports: bodies can move, see the rigid-body modes"
             f"{springs if study.model.weak_springs is None else ''}"
         )
     elif free.whole and not study.load_cases and not study.frequencies:
-        yield "supports, unless the joint is meant to move as a whole, as it can"
+        yield "supports, unless the joint is meant to move as a whole"
     for spec in loaded.bolts:
         if spec.name not in loaded.preloads and spec.name not in loaded.initial_forces:
             yield f"the preload of bolt '{spec.name}'"

@@ -1,4 +1,4 @@
-"""[model.sets], [[support]] and [[mass]]: from the names of a study to nodes of the mesh."""
+"""[model.sets], [[support]] and [[mass]] of a study, as nodes of the mesh."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -23,7 +23,7 @@ from faying.study.keys.tables import Study
 
 
 def with_study_sets(assembly: Assembly, study: Study) -> Assembly:
-    """Return the assembly with the study's own names among the sets of its mesh."""
+    """Return the assembly with the sets of the study added to its mesh."""
     for name, named in study.model.sets.items():
         for use in SETTERS:
             if getattr(named, use) is not None:
@@ -69,7 +69,7 @@ def _from_elements(assembly: Assembly, study: Study, name: str, named: NamedSet)
 
 
 def _from_ids(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
-    """Take ids for those of nodes or of elements by who uses the name."""
+    """Take ids as elements where an interface uses the set, and as nodes elsewhere."""
     by_interface = any(name in (i.minus, i.plus) for i in study.interfaces)
     if by_interface and _used_by_boundary(study, name):
         text = "an interface and a boundary use it; write { nodes = [..] } or { elements = [..] }"
@@ -86,10 +86,10 @@ def _check_ids(study: Study, name: str, what: str, ids: Sequence[int], existing:
 
 
 def _with_elements(mesh: Mesh, study: Study, name: str, elements: Indices) -> Mesh:
-    """Add an element set, and the set of its nodes where a boundary uses the name."""
+    """Return a mesh with an element set, and with its node set where a boundary uses the name."""
     sets = {**mesh.element_sets, name: frozen(elements, np.int64)}
     mesh = replace(mesh, element_sets=sets)
-    # Not always: an interface would prefer the node set, which may hold facets of neighbours.
+    # Not for interfaces, which prefer node sets, whose nodes may span facets of neighbours.
     if name in mesh.node_sets or not _used_by_boundary(study, name):
         return mesh
     return mesh.with_node_set(name, mesh.element_nodes(elements))
@@ -115,7 +115,7 @@ SETTERS: dict[str, Setter] = {
 
 
 def with_study_supports(assembly: Assembly, study: Study) -> Assembly:
-    """Return the assembly with the study's own supports."""
+    """Return the assembly with the supports of the study."""
     components = get_args(DisplacementComponent)
     supports = [
         (
@@ -128,8 +128,8 @@ def with_study_supports(assembly: Assembly, study: Study) -> Assembly:
 
 
 def with_study_masses(assembly: Assembly, study: Study) -> Assembly:
-    """Return the assembly with the study's masses, each shared evenly by the nodes it sits on."""
-    sat_on = [
+    """Return the assembly with the masses of the study, each shared evenly by its nodes."""
+    nodal_masses = [
         (node, section.mass / len(nodes))
         for number, section in enumerate(study.masses)
         for nodes in [named_nodes(assembly, study, ("mass", number), section).tolist()]
@@ -138,7 +138,7 @@ def with_study_masses(assembly: Assembly, study: Study) -> Assembly:
     first = assembly.largest_id + 1
     added = tuple(
         PointMass(id=first + number, node=node, mass=mass)
-        for number, (node, mass) in enumerate(sat_on)
+        for number, (node, mass) in enumerate(nodal_masses)
     )
     return replace(assembly, masses=(*assembly.masses, *added))
 
@@ -146,7 +146,7 @@ def with_study_masses(assembly: Assembly, study: Study) -> Assembly:
 def named_nodes(
     assembly: Assembly, study: Study, location: Location, section: SupportSection | MassSection
 ) -> Indices:
-    """Return the nodes (n,) of a table with a node or a set."""
+    """Return the nodes (n,) of a study table with a node or a set."""
     mesh, key = assembly.mesh, "set" if section.node is None else "node"
     try:
         if section.node is not None:

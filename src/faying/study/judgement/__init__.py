@@ -1,1 +1,1 @@
-"""What results are worth: errors, warnings, verdicts, and the summary that says them."""
+"""Errors, warnings and verdicts of results, and their summary."""

@@ -1,4 +1,4 @@
-"""How far the response of a reduced model is from that of the full one."""
+"""Errors of responses of reduced models against the full model."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,9 +16,9 @@ from faying.study.results.values import CaseResult, Response
 def accuracy(
     components: Mapping[str, Sequence[str]], response: Response, reference: Response
 ) -> Accuracy:
-    """Measure the errors of pressures, tractions and displacements, of paths in every increment.
+    """Return errors of pressures, tractions and displacements, over all increments of paths.
 
-    The components of each boundary that moves are named.
+    ``components`` names the displacement components of each boundary.
     """
     mine, exact = increments(response), increments(reference)
     pressures = [response.pressure, reference.pressure]
@@ -43,16 +43,16 @@ def accuracy(
 
 
 def increments(response: Response) -> list[PathRecord]:
-    """Return what a response has of increments: a path, or the last cycle of each amplitude."""
+    """Return the increments of a response: of its path, or of the last cycle per amplitude."""
     if response.path is not None:
         return [response.path]
     return [cycle.increments for cycle in response.cycles.values()]
 
 
 def state_of_case(case: CaseResult) -> CaseState:
-    """Return a load case as it is judged: over all instants, or all increments of its paths."""
+    """Return the states of a load case to judge: all instants, or all increments of its paths."""
     response, paths = case.reference, increments(case.reference)
-    # The state of a path is that of its last increment.
+    # The response of a path holds its last increment alone.
     parts: Sequence[PathRecord | Response] = paths or [response]
     return CaseState(
         pressure=np.concatenate([np.atleast_2d(part.pressure) for part in parts]),
@@ -74,7 +74,7 @@ def state_of_case(case: CaseResult) -> CaseState:
 
 
 def rubbed(response: Response) -> Sequence[SlipRecord]:
-    """Return what friction did in a response: in its increments, or at its instants."""
+    """Return the slip records of a response, of increments or of instants."""
     return [*increments(response), *filter(len, [response.friction])]
 
 
@@ -86,7 +86,7 @@ def _displacements(response: Response, boundary: str) -> Matrix:
 
 
 def dissipation_error(response: Response, reference: Response) -> float | None:
-    """Return the difference of the energies that friction took, over that of the reference."""
+    """Return the relative error of the energy dissipated by friction; None if that is zero."""
     mine, exact = (
         float(sum(record.dissipation.sum() for record in rubbed(solution)))
         for solution in (response, reference)
@@ -103,12 +103,12 @@ def recovered_error(response: Response, reference: Response) -> float | None:
 
 @dataclass(frozen=True, kw_only=True)
 class BackboneErrors:
-    """Largest differences over modes and amplitudes, over the values of the reference.
+    """Largest relative errors of backbones over modes and amplitudes.
 
     Attributes
     ----------
     frequency, damping
-        Of frequencies and damping ratios, as fractions.
+        Relative errors of frequencies and damping ratios.
     """
 
     frequency: float
@@ -116,7 +116,7 @@ class BackboneErrors:
 
 
 def backbone_errors(response: Response, reference: Response) -> BackboneErrors | None:
-    """Compare two responses amplitude by amplitude; None where there are no backbones."""
+    """Return the backbone errors of a response; None where there are no backbones."""
     frequency, damping = [], []
     for mode, exact in reference.backbones.items():
         mine = response.backbones[mode]

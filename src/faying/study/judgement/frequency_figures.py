@@ -1,4 +1,4 @@
-"""Harmonic loads as they stand in ``summary.json``."""
+"""Figures of harmonic loads for ``summary.json``."""
 
 from dataclasses import asdict
 from typing import Any
@@ -8,11 +8,11 @@ import numpy as np
 from faying.study.results.frequency_record import FrequencyRecord, LevelPeak
 
 AT_THE_PEAK = ("damping_ratio", "friction_energy", "load_work")
-"""What contact does there; other figures of contact are extremes over the curve."""
+"""Contact quantities at the peak; other contact quantities are extremes over the curve."""
 
 
 def frequency_figures(record: FrequencyRecord) -> dict[str, Any]:
-    """Return the peaks of a harmonic load, its checks and what a reader should know."""
+    """Return the peaks of a harmonic load, its checks and remarks."""
     expected = record.expected
     return {
         "component": record.at,

@@ -1,4 +1,4 @@
-"""The margins of bolts that a study demands, by the standard it names."""
+"""Strength margins of bolts by the standard of a study."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ NASA, VDI = "nasa-std-5020b", "vdi-symbols"
 
 
 def design_factors(section: MarginsSection) -> DesignFactors:
-    """Return the factors of a study."""
+    """Return the design factors of a study."""
     return DesignFactors(
         fitting=section.FF,
         ultimate=section.FS_u,
@@ -32,9 +32,9 @@ def with_margins(
     margins: MarginsSection | None,
     loads: Sequence[NamedLoad],
 ) -> Assessment:
-    """Return an assessment with what the standard of a study adds to the checks of bolts.
+    """Return an assessment with the bolt checks of the standard of a study added.
 
-    The assessment has the checks of the strength of bolts; margins multiply static load cases.
+    The assessment has the strength checks of bolts; design factors multiply static load cases.
     """
     if margins is None:
         return assessment

@@ -1,4 +1,4 @@
-"""What of a joint is not as declared, or cannot be right in the unit set of its study."""
+"""Warnings about a joint: missing contact, free motion, and data implausible in its units."""
 
 from collections.abc import Iterator, Mapping
 
@@ -22,24 +22,24 @@ from faying.units import LENGTHS, MASSES, pascals, units_of
 
 
 def kept_share(area: float, declared_area: float | None) -> float | None:
-    """Return the share of a declared area that is in contact; None where none was declared."""
+    """Return the share of the declared area that is paired; None where none was declared."""
     return None if not declared_area else min(area / declared_area, 1.0)
 
 
 def missing_contact(name: str, area: float, declared_area: float | None) -> str:
-    """Say of an interface what is missing of its declared area; nothing if it is all there."""
+    """Return a warning about the unpaired part of an interface; empty if all is paired."""
     share = kept_share(area, declared_area)
     if share is None or share >= WHOLE_AREA:
         return ""
     return (
         f"interface '{name}': {share:.0%} of the declared contact area is paired ({area:.6g} of "
-        f"{declared_area:.6g}, the smaller side); the rest sees nothing of the other side along "
+        f"{declared_area:.6g}, the smaller side); the rest has no face opposite it along "
         "its normal, or lies beyond the search distance"
     )
 
 
 def missing_contacts(results: Results) -> list[str]:
-    """Say what is missing of the declared contact of all interfaces of a run."""
+    """Return warnings about unpaired parts of the interfaces of a run."""
     said = (
         missing_contact(name, float(face.weights.sum()), face.declared_area)
         for name, face in results.interfaces.items()
@@ -48,7 +48,7 @@ def missing_contacts(results: Results) -> list[str]:
 
 
 def unheld(model: Model) -> list[str]:
-    """Say that a joint can move as a whole, or swings on springs."""
+    """Return warnings that a joint can move as a whole, or swings on soft springs."""
     count, swings = model.rigid_motions.shape[1], suspension(model)
     return [*([AS_A_WHOLE.format(count=count)] if count else []), *([swings] if swings else [])]
 
@@ -70,7 +70,7 @@ def overlapping(model: Model) -> list[str]:
 
 
 def unmeasured(study: Study, cases: Mapping[str, CaseResult]) -> list[str]:
-    """Name the modes that leave the place still at which a backbone measures amplitudes."""
+    """Return warnings about modes without motion where a backbone measures amplitudes."""
     said = []
     for case in study.load_cases:
         if case.kind == "backbone" and case.name in cases:
@@ -78,14 +78,14 @@ def unmeasured(study: Study, cases: Mapping[str, CaseResult]) -> list[str]:
             still = [str(mode) for mode in sorted(case.modes) if str(mode) not in curves]
             if still:
                 said.append(
-                    f"load case '{case.name}': mode {', '.join(still)} is left out: it leaves "
-                    f"'{case.at}' still, where its amplitude would be measured"
+                    f"load case '{case.name}': mode {', '.join(still)} is left out: no motion at "
+                    f"'{case.at}', where its amplitude is measured"
                 )
     return said
 
 
 def barely_held(results: Results) -> list[str]:
-    """Say where weak springs carry what contact and friction should."""
+    """Return warnings about load cases in which weak springs carry too much."""
     shares: dict[str, dict[str, float]] = {}
     for name, case in results.cases.items():
         for bodies, share in case.reference.weak_shares.items():
@@ -94,33 +94,33 @@ def barely_held(results: Results) -> list[str]:
 
 
 MODULI = (1e4, 2e12)
-"""Young's moduli [Pa] from gels to beyond diamond (1.2e12)."""
+"""Range of Young's moduli [Pa], from gels to above diamond (1.2e12)."""
 DENSITIES = (1.0, 3e4)
-"""Densities [kg/m³] from the lightest foams to beyond osmium (2.26e4)."""
+"""Range of densities [kg/m³], from the lightest foams to above osmium (2.26e4)."""
 LIGHTEST = 1e6
-"""Young's modulus over the density squared [Pa m⁶/kg²] above that of every solid: foams lose
+"""Young's modulus over density squared [Pa m⁶/kg²] that no solid exceeds: foams lose
 stiffness with the square of their density (Gibson and Ashby, Cellular Solids, 1997, ch. 5), balsa
 and honeycombs along their cells have the most, up to 6e5; diamond 1e5, steel 3e3."""
 SOFT_AND_DENSE = (1e9, 3e3)
-"""Young's modulus [Pa] below which and density [kg/m³] above which only rubber filled with metal is
-a solid: the softest metals as dense, thallium and indium, have 8 and 11 GPa (CRC Handbook)."""
+"""Young's modulus [Pa] below which, and density [kg/m³] above which, only metal-filled rubber
+exists: the softest metals so dense, thallium and indium, have 8 and 11 GPa (CRC Handbook)."""
 TIGHTENED = (1e6, 3e9)
-"""Stress [Pa] of tightened bolts: a tenth of what nylon bears, and more than any steel does."""
+"""Range of stress [Pa] in tightened bolts: a tenth of nylon's strength to above any steel's."""
 COHESION = 0.1
-"""Pressure over Young's modulus above which no crystal holds together: its theoretical strength
+"""Pressure over Young's modulus that exceeds the theoretical strength of every crystal
 (J. Frenkel, Z. Phys. 37 (1926) 572: G/2π in shear, E/16; up to E/10 in tension)."""
 
 
 def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
-    """Yield what cannot be right about material constants; nothing in units that are not known.
+    """Yield warnings about implausible material constants; none if the units are unknown.
 
-    A study in mm-t-s with Pa and kg/m³ runs without complaint and is wrong by powers of ten.
+    A study in mm-t-s with Pa and kg/m³ would run, with results wrong by powers of ten.
 
     Examples
     --------
     >>> steel = Material(name="steel", youngs_modulus=2.1e11, poissons_ratio=0.3, density=7.85e-9)
     >>> list(doubts({1: steel}, "mm-t-s"))
-    ["material 'steel': E = 2.1e+11 is 2.1e+17 Pa in mm-t-s, as of no solid; check it and 'units'"]
+    ["material 'steel': E = 2.1e+11 is 2.1e+17 Pa in mm-t-s, beyond any solid; check E and 'units'"]
     """
     pascal = pascals(units)
     if pascal is None:
@@ -136,17 +136,17 @@ def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
             if value and not low <= value * factor <= high:
                 reported.add(
                     f"material '{material.name}': {name} = {value:g} is {value * factor:g} {unit} "
-                    f"in {units}, as of no solid; check it and 'units'"
+                    f"in {units}, beyond any solid; check {name} and 'units'"
                 )
         stiff, heavy = material.youngs_modulus * pascal, material.density * density
         single = MODULI[0] <= stiff <= MODULI[1] and DENSITIES[0] <= heavy <= DENSITIES[1]
         together = {
-            "light is that stiff": stiff > LIGHTEST * heavy**2,
-            "dense is that soft": stiff < SOFT_AND_DENSE[0] and heavy > SOFT_AND_DENSE[1],
+            "stiff": stiff > LIGHTEST * heavy**2,
+            "soft": stiff < SOFT_AND_DENSE[0] and heavy > SOFT_AND_DENSE[1],
         }
         reported.update(
             f"material '{material.name}': E is {stiff / 1e9:.3g} GPa and rho {heavy:.3g} kg/m³ "
-            f"in {units}, and no solid that {what}; check them and 'units'"
+            f"in {units}; no solid of that density is so {what}; check both and 'units'"
             for what, doubtful in together.items()
             if single and doubtful
         )
@@ -154,7 +154,7 @@ def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
 
 
 def bolt_doubts(study: Study, loaded: LoadedModel) -> Iterator[str]:
-    """Yield what cannot be right about preloads, of bolts whose section is known."""
+    """Yield warnings about implausible preloads of bolts with known section."""
     pascal = pascals(study.units)
     threads = StudyBolts.of(study).threads
     low, high = TIGHTENED
@@ -172,7 +172,7 @@ def bolt_doubts(study: Study, loaded: LoadedModel) -> Iterator[str]:
 
 
 SEAT_LEVER = 0.28
-"""Largest bending at rest over preload times the distance of the nodes under a head from the axis.
+"""Largest bending moment at rest over preload times mean distance of the nodes under a head from
 
 Measured: 0.21 to 0.28 at 0.8 and 1.5 mm and 0.1 at 0.3 mm on a flange of eight M12 with 24 to 31
 nodes under a head (``docs/judged_by_hand.md``); 0.04 at 0.6 mm on a lug of two M8 with 35.
@@ -180,7 +180,7 @@ nodes under a head (``docs/judged_by_hand.md``); 0.04 at 0.6 mm on a lug of two 
 
 
 def uneven_seats(loaded: LoadedModel) -> Iterator[str]:
-    """Yield the bolts that the preload may bend for nodes lie unevenly under head or nut."""
+    """Yield a warning about bolts that unevenly placed nodes under head or nut may bend."""
     offsets = {
         spec.name: (seat_offset(loaded.assembly.mesh, spec), spec.diameter)
         for spec in loaded.bolts
@@ -194,15 +194,15 @@ def uneven_seats(loaded: LoadedModel) -> Iterator[str]:
         worst = max(many, key=bent.__getitem__)
         length = loaded.study.unit_set.length
         yield (
-            f"nodes under head or nut of {', '.join(many)} lie unevenly, on average up to "
+            f"nodes under head or nut of {', '.join(many)} are unevenly placed, on average up to "
             f"{offsets[worst][0]:.2g} {length} beside the axis ('{worst}'): the preload may bend "
             f"it by up to {bent[worst]:.0%} of its stress; refine around its hole until bending at "
-            "rest stays, unless the part itself ends there"
+            "rest no longer changes, unless the part ends there"
         )
 
 
 def _section(loaded: LoadedModel, spec: BoltSpec) -> float | None:
-    """Return the sectional area of a bolt; None where it is not known."""
+    """Return the cross-sectional area of a bolt [length²]; None where it is unknown."""
     if spec.diameter is not None:
         return float(np.pi / 4 * spec.diameter**2)
     beams = [beam for beam in loaded.assembly.beams if beam.id in (spec.elements or ())]
@@ -212,7 +212,7 @@ def _section(loaded: LoadedModel, spec: BoltSpec) -> float | None:
 def pressure_doubts(
     cases: Mapping[str, CaseResult], materials: Mapping[int, Material], units: str
 ) -> Iterator[str]:
-    """Yield the load case whose contact pressure no solid bears, the largest of them."""
+    """Yield a warning about the largest contact pressure if no solid could bear it."""
     stiffest = max((entry.youngs_modulus for entry in materials.values()), default=0.0)
     peaks = {
         name: float(entry.reference.pressure.max(initial=0.0)) for name, entry in cases.items()
@@ -222,6 +222,6 @@ def pressure_doubts(
         unit = units_of(units).pressure
         yield (
             f"load case '{name}': the largest pressure is {peaks[name]:.3g} {unit}, "
-            f"{peaks[name] / stiffest:.0%} of the largest Young's modulus; no solid holds "
-            "together under it, check preloads, loads and 'units'"
+            f"{peaks[name] / stiffest:.0%} of the largest Young's modulus; no solid bears "
+            "that: check preloads, loads and 'units'"
         )

@@ -1,4 +1,4 @@
-"""What a load opens of the surfaces that the preload presses on each other."""
+"""Areas that a load opens among those that the preload presses together."""
 
 from dataclasses import dataclass
 
@@ -10,22 +10,22 @@ from faying.study.results.values import CaseResult, InterfaceRecord
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Opening(Frozen):
-    """One interface in one load case of the full model.
+    """Opening of an interface in a load case of the full model.
 
-    Area outside the pressure cones of the bolts carries nothing before the load either; what opens
-    is told from it by the pressure after tightening.
+    Areas outside the pressure cones of the bolts are open before the load as well. They are
+    excluded by the pressure after tightening.
 
     Attributes
     ----------
     opened, closed
-        Area that was pressed after tightening and is open under the load, and the reverse, each
-        over the area that was pressed; largest over time. Zero where nothing was pressed.
+        Area that was pressed after tightening and is open under the load, and the reverse, both
+        over the area that was pressed; largest over time. Zero where no area was pressed.
     gap : [length]
         Largest gap, over points and instants; zero where all is closed.
     point : (3,) [length]
-        Where.
+        Point of the largest gap.
     instant
-        Index of the instant of the largest gap; None of static cases.
+        Index of the instant of the largest gap; None for static cases.
     """
 
     opened: float
@@ -36,7 +36,7 @@ class Opening(Frozen):
 
 
 def opening(record: InterfaceRecord, case: CaseResult) -> Opening | None:
-    """Compare a load case with the preloaded state; None for an interface without points."""
+    """Return the opening against the preloaded state; None for an interface without points."""
     if not len(record.points):
         return None
     points = slice(*record.slice)
@@ -54,7 +54,7 @@ def opening(record: InterfaceRecord, case: CaseResult) -> Opening | None:
 
 
 def _share(record: InterfaceRecord, changed: Mask, pressed_before: Mask) -> float:
-    """Return the largest area that changed (n_instant, n_point), over that pressed before."""
+    """Return the largest changed area (n_instant, n_point) over the area pressed before."""
     pressed = float(record.weights[pressed_before].sum())
     areas: Matrix = changed @ record.weights
     return float(areas.max()) / pressed if pressed > 0 else 0.0

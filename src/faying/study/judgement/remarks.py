@@ -1,4 +1,4 @@
-"""What is said of a run beside its verdict: peaks, errors, and what was chosen and why."""
+"""Remarks on a run beside its verdict: peaks, errors, and choices with their reasons."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,7 @@ from faying.study.results.values import CaseResult, Results
 
 
 def remarks(results: Results) -> list[str]:
-    """Return what the console says of a run, a sentence each."""
+    """Return the remarks that the console prints after a run."""
     steps = {name: step_choice(case) for name, case in results.cases.items()}
     return [
         *(f"Note: {text}" for text in results.notes),
@@ -40,7 +40,7 @@ def remarks(results: Results) -> list[str]:
 
 
 def jumps(results: Results) -> list[str]:
-    """Say of each load case in which loads jump what would be better."""
+    """Return a sentence about each load case in which loads jump."""
     time = results.unit_set.time
     said = (
         jump_sentence(name, case.jumps, time, history=case.kind == "history")
@@ -50,7 +50,7 @@ def jumps(results: Results) -> list[str]:
 
 
 def remedies(results: Results) -> list[str]:
-    """Say of each transient that was solved again what it was solved by, and what that cost."""
+    """Return a sentence about each transient that was solved again: the model and its cost."""
     shapes = shapes_seconds(results.timings)
     return [
         remedy_sentence(name, case.remedy, shapes)
@@ -60,7 +60,7 @@ def remedies(results: Results) -> list[str]:
 
 
 def hint(results: Results) -> str:
-    """Return what to compare beside what was compared, by estimates; empty where nothing lacks."""
+    """Return advice for further methods where estimated errors are large; empty elsewhere."""
     worst: dict[str, float] = {}
     for case in results.cases.values():
         estimates = [
@@ -80,7 +80,7 @@ def hint(results: Results) -> str:
 
 
 def vibrations(results: Results) -> list[str]:
-    """Say how the joint vibrates: modes with their damping, and peaks under harmonic loads."""
+    """Return sentences about modes with their damping, and peaks under harmonic loads."""
     return [*_modes(results), *_peaks(results)]
 
 
@@ -109,7 +109,7 @@ def _modes(results: Results) -> Iterator[str]:
 
 
 def _peaks(results: Results) -> Iterator[str]:
-    """Say where responses to harmonic loads peak, and what transients say of it."""
+    """Yield the peaks of responses to harmonic loads, and their checks by transients."""
     rate = results.unit_set.frequency
     for name, record in results.frequencies.items():
         size = amplitude_unit(record.at, results.units)
@@ -129,7 +129,7 @@ def _peaks(results: Results) -> Iterator[str]:
 
 
 def _backbones(results: Results) -> Iterator[str]:
-    """Say how far backbones of reduced models are from those of the full model."""
+    """Yield the errors of backbones of reduced models against the full model."""
     for name, case in results.cases.items():
         for method, sizes in case.methods.items():
             errors = backbone_errors(sizes[max(sizes)].response, case.reference) if sizes else None
@@ -142,7 +142,7 @@ def _backbones(results: Results) -> Iterator[str]:
 
 
 def _estimates(results: Results) -> list[str]:
-    """Say of each transient how far off the methods are estimated to be, their largest bases."""
+    """Return sentences with the estimated errors of each transient, for the largest bases."""
     estimates = {name: dict(_estimated(case)) for name, case in results.cases.items()}
     said = [
         f"{name}, errors estimated without a full solution: "
@@ -158,7 +158,7 @@ def _estimates(results: Results) -> list[str]:
 
 
 def _estimated(case: CaseResult) -> Iterator[tuple[str, Accuracy]]:
-    """Yield the models of a load case whose errors are estimated, the largest of each method."""
+    """Yield method and estimated error of the largest basis of each method."""
     for method, sizes in case.methods.items():
         estimate = sizes[max(sizes)].response.estimate if sizes else None
         if estimate is not None:

@@ -1,4 +1,4 @@
-"""Whether time steps resolve the pressures of a load case: at half of them, or as chosen."""
+"""Check of time steps: the change of pressures with half the step, or the estimated error."""
 
 from dataclasses import dataclass, replace
 
@@ -11,18 +11,18 @@ from faying.study.results.values import CaseResult, Response
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StepCheck:
-    """How a transient of the full model changes with half the time step.
+    """Change of a transient of the full model with half the time step.
 
-    Fields are compared: pressures at every contact point and every instant that both runs have.
+    Pressures are compared at every contact point and every instant of both runs.
 
     Attributes
     ----------
     peak, half_peak : [force/length²]
         Largest pressure over points and instants with the study's step and with half of it.
     change
-        Of pressures, tractions and boundary translations, over the largest of the study's step.
+        Change of pressures, tractions and boundary translations, over their largest value.
     dissipation
-        Of the energy that friction took, over the same.
+        Relative change of the energy dissipated by friction.
     """
 
     peak: float
@@ -32,21 +32,21 @@ class StepCheck:
 
     @property
     def peak_change(self) -> float:
-        """Change of the largest pressure as a fraction of the one at the study's step."""
+        """Relative change of the largest pressure."""
         return self.half_peak / self.peak - 1.0
 
     @property
     def largest(self) -> float:
-        """Largest change of pressure at a point and instant as a fraction of the peak."""
+        """Largest change of pressure at a point and instant, over the peak."""
         return self.change.max_relative_error
 
 
 def step_check(case: CaseResult) -> StepCheck | None:
-    """Return the time-step check of a transient case; None where it was not run."""
+    """Return the time-step check of a transient; None where half the step was not run."""
     half, times = case.half_step, case.times
     if half is None or times is None or len(times) < 2:
         return None
-    count = min(len(times), len(half.pressure[::2]))  # half a step more or less at the end
+    count = min(len(times), len(half.pressure[::2]))  # the ends may differ by half a step
     fine, coarse = _at(half, 2, count), _at(case.reference, 1, count)
     if not coarse.pressure.max(initial=0.0) > 0:
         return None
@@ -59,7 +59,7 @@ def step_check(case: CaseResult) -> StepCheck | None:
 
 
 def _at(response: Response, every: int, count: int) -> Response:
-    """Return a transient at some of its instants."""
+    """Return a transient at every so many of its instants."""
     chosen, slip = slice(0, every * count, every), response.friction
     return replace(
         response,
@@ -75,19 +75,19 @@ def _at(response: Response, every: int, count: int) -> Response:
 
 @dataclass(frozen=True, kw_only=True)
 class StepChoice:
-    """Steps divided until the pressures of a transient hold its tolerance.
+    """Time steps that were divided until the pressures of a transient met its tolerance.
 
     Attributes
     ----------
     tolerance : [1]
-        Largest pressure error over the peak that was asked for.
+        Required largest pressure error over the peak.
     error : [1]
-        Errors of all intervals together: 5 times (first order; else 2.5 times)
-        what half their steps change.
+        Sum of the errors of all intervals: 5 times (first order; else 2.5 times)
+        the change with half as many steps.
     count : [1]
-        Steps in all.
+        Total number of steps.
     most : [1]
-        Steps between two instants at most.
+        Largest number of steps between two instants.
     """
 
     tolerance: float
@@ -102,7 +102,7 @@ class StepChoice:
 
 
 def step_choice(case: CaseResult) -> StepChoice | None:
-    """Return the steps that the reference of a case took; None where a study gave them."""
+    """Return the chosen time steps of a case's reference; None where the study gave the step."""
     steps, errors = case.reference.substeps, case.reference.step_error
     if steps is None or errors is None or case.tolerance is None:
         return None
@@ -115,12 +115,12 @@ def step_choice(case: CaseResult) -> StepChoice | None:
 
 
 def choice_sentence(name: str, choice: StepChoice) -> str:
-    """Say what steps were chosen, whether they do, and what that was judged by."""
-    reached = "within" if choice.met else "which is more than"
-    more = "" if choice.met else ": let the load rise more slowly, or take more instants"
+    """Return a sentence about the chosen time steps and their estimated error."""
+    reached = "within" if choice.met else "more than"
+    more = "" if choice.met else ": let the load rise more slowly, or give more instants"
     return (
-        f"{name}: time steps were chosen, {choice.count} in all and up to {choice.most} between "
-        f"two instants; pressures are estimated to be off by {choice.error:.2%} of the peak from "
-        f"them, {reached} the tolerance of {choice.tolerance:.2%}{more}. The half-step check is "
-        "replaced by this estimate, for which every interval was also solved in half as many steps."
+        f"{name}: {choice.count} time steps were chosen in total, up to {choice.most} between "
+        f"two instants; their estimated pressure error is {choice.error:.2%} of the peak, "
+        f"{reached} the tolerance of {choice.tolerance:.2%}{more}. The half-step check is "
+        "replaced by this estimate, for which every interval was also solved with half the steps."
     )

@@ -25,13 +25,13 @@ from faying.study.results.validation_record import ValidationRecord
 from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Response, Results
 
 TRAINING = ["static training", "step training"]
-"""Stages in which methods learn."""
+"""Stages of training."""
 
 
 def summarize(results: Results) -> dict[str, Any]:
     """Return the contents of ``summary.json``.
 
-    Of transient cases, figures of the reference are the largest over time, ``iterations`` their
+    For transients, figures of the reference are the largest over time, and ``iterations`` the
     mean over the steps.
     """
     return {
@@ -82,7 +82,7 @@ def summarize(results: Results) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """Return values as JSON has them; what is infinite or was never reached is null."""
+    """Return values as JSON types; infinite and undefined numbers become null."""
     if isinstance(value, Mapping):
         return {name: plain(member) for name, member in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):
@@ -97,7 +97,7 @@ def plain(value: Any) -> Any:
 
 
 def _chosen_modes(results: Results) -> dict[str, Any] | None:
-    """Return what normal modes were chosen for the load cases, and why; None where a study says."""
+    """Return the chosen normal modes with their reasons; None where the study gave the number."""
     choices = results.mode_choices
     if not choices:
         return None
@@ -141,12 +141,12 @@ def timings(results: Results) -> dict[str, Any]:
             for result in case.methods.get(name, {}).values()
         ]
         methods[name] = {"offline": _offline(name, seconds), **_per_solution(solved)}
-    # A mapping of its own, because "compliance" is both a stage and a method.
+    # A separate mapping, because "compliance" is both a stage and a method.
     return {**table, "methods": methods}
 
 
 def _offline(name: str, seconds: Mapping[str, float]) -> float:
-    """Work a method needs beyond the factorization, shared parts counted for each."""
+    """Return the offline seconds of a method without factorization, with all shared stages."""
     method = METHODS[name]
     stages = ["normal_modes", f"project {name}"]
     stages += [method.joint_modes.name] if method.joint_modes else []
@@ -156,7 +156,7 @@ def _offline(name: str, seconds: Mapping[str, float]) -> float:
 
 
 def _per_solution(solved: list[tuple[CaseResult, Response]]) -> dict[str, float]:
-    """Median wall time of a static case and of a time step."""
+    """Return the median wall time of a static case and of a time step [s]."""
     static = [response.seconds for case, response in solved if case.kind == "static"]
     steps = [
         response.seconds / max(len(case.times) - 1, 1)
@@ -221,7 +221,7 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
 
 
 def _slip(case: CaseResult) -> dict[str, Any]:
-    """Return what friction does in a load case; nothing where there is none."""
+    """Return figures of friction in a load case; empty without friction."""
     records = rubbed(case.reference)
     if case.reference.backbones:
         return {
@@ -253,7 +253,7 @@ LISTS = (
     "amplitude", "energy", "frequency", "damping_ratio", "linear_damping", "energy_per_cycle",
     "macroslip", "stationary", "masing_frequency", "masing_damping", "masing_deviation",
 )  # fmt: skip
-"""What is told of a backbone at each of its amplitudes, as far as it was asked for."""
+"""Quantities of a backbone at each amplitude; some are optional."""
 
 
 def _backbone(curve: Backbone) -> dict[str, Any]:
@@ -279,7 +279,7 @@ def _cycle(cycle: CycleRecord) -> dict[str, Any]:
 
 
 def _openings(results: Results, case: CaseResult) -> dict[str, Any]:
-    """Return what the load opens of each interface that the preload presses."""
+    """Return the opened area and gap of each interface under the load."""
     openings = {name: opening(record, case) for name, record in results.interfaces.items()}
     return {
         name: {
@@ -309,17 +309,17 @@ def _reference(response: Response) -> dict[str, Any]:
 
 
 def _estimated(response: Response) -> dict[str, float]:
-    """Return the errors of a reduced transient that were estimated without a full solution."""
+    """Return the errors of a reduced transient estimated without a full solution."""
     estimate = response.estimate
     if estimate is None:
         return {}
     told = ("max_relative_error", "rms_relative_error", "max_traction_error")
-    return _known({f"estimated_{name}": getattr(estimate, name) for name in told})
+    return _finite({f"estimated_{name}": getattr(estimate, name) for name in told})
 
 
 def _method(result: MethodResult, case: CaseResult) -> dict[str, float]:
     backbones = backbone_errors(result.response, case.reference)
-    return _known(
+    return _finite(
         {
             **asdict(result.accuracy),
             **_estimated(result.response),
@@ -336,8 +336,8 @@ def _method(result: MethodResult, case: CaseResult) -> dict[str, float]:
     )
 
 
-def _known(figures: Mapping[str, float | None]) -> dict[str, float]:
-    """Return figures without those that are not there, or infinite."""
+def _finite(figures: Mapping[str, float | None]) -> dict[str, float]:
+    """Return the figures that are present and finite."""
     return {
         name: value for name, value in figures.items() if value is not None and np.isfinite(value)
     }

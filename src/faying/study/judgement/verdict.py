@@ -1,4 +1,4 @@
-"""The verdict on the joint of a run, with the instants that decide."""
+"""The verdict on the joint of a run, with the deciding instants."""
 
 from dataclasses import replace
 
@@ -26,7 +26,7 @@ def run_verdict(results: Results) -> JointVerdict:
 
 
 def _timed(check: Check, results: Results) -> Check:
-    """Return a check with the instant of its load case that decides, of cases over time."""
+    """Return a check with the deciding instant, if its load case is over time."""
     case = results.cases.get(check.case)
     if case is None or case.times is None or check.instant is not None:
         return check

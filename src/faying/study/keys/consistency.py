@@ -1,4 +1,4 @@
-"""What the values of a study file must be together. One rule, one function."""
+"""Rules between the values of a study file, a function each."""
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator
@@ -30,12 +30,12 @@ from faying.study.keys.tables import LoadCaseSection, Study, Timed
 
 
 def inconsistencies(study: Study) -> list[Problem]:
-    """List everything in a study that does not fit together."""
+    """Return all inconsistencies of a study."""
     return [problem for rule in RULES for problem in rule(study)]
 
 
 def boundary_problems(study: Study, boundaries: Iterable[str]) -> Iterator[Problem]:
-    """Find loads on boundaries that do not exist."""
+    """Yield loads on boundaries that do not exist."""
     names = list(boundaries)
     for location, load in loadings(study):
         name = load.boundary
@@ -45,7 +45,7 @@ def boundary_problems(study: Study, boundaries: Iterable[str]) -> Iterator[Probl
 
 
 def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
-    """Find loads of the deck that it does not have."""
+    """Yield loads of the deck that do not exist."""
     loads = assembly.loads
     for location, load in loadings(study):
         name = load.deck_load
@@ -93,7 +93,7 @@ def _model_files(study: Study) -> Iterator[Problem]:
         text = f"source '{source.name}' has no subcases; remove it"
         yield study.problem(("model", "subcase"), text)
     if study.model.ignore and not source.is_deck:
-        text = f"source '{source.name}' is no deck that could hold more than is read; remove it"
+        text = f"source '{source.name}' is not a deck, so nothing can be ignored; remove it"
         yield study.problem(("model", "ignore"), text)
     for key in ("parts", "without"):
         if getattr(study.model, key) and not (source.is_deck or source.is_mesh):
@@ -142,7 +142,7 @@ def _coupled(study: Study) -> Iterator[Problem]:
 
 
 def _mesh_materials(study: Study) -> Iterator[Problem]:
-    """Check that the materials of a mesh are whole, for it brings none."""
+    """Yield incomplete materials of a mesh, which has none itself."""
     if study.model.separate and not _source(study).is_mesh:
         text = 'only source "mesh" has groups to separate; remove it'
         yield study.problem(("model", "separate"), text)
@@ -151,7 +151,7 @@ def _mesh_materials(study: Study) -> Iterator[Problem]:
     for name, material in study.materials.items():
         missing = [key for key in ("E", "nu", "rho") if getattr(material, key) is None]
         if missing:
-            text = f"a mesh brings no material, so {quoted(missing)} must be given; add it"
+            text = f"a mesh has no material, so {quoted(missing)} must be given; add it"
             yield study.in_table(("material", name), text)
 
 
@@ -160,30 +160,30 @@ def _reduction(study: Study) -> Iterator[Problem]:
     modes = reduction.joint_modes
     if reduction.normal_modes is None and not any(case.transient for case in study.load_cases):
         text = (
-            "'auto' chooses for load cases over time, and the study has none; give a number, or "
+            "'auto' needs load cases over time, and the study has none; give a number, or "
             'add a [[load_case]] of kind = "step" or "history"'
         )
         yield study.problem(("reduction", "normal_modes"), text)
     without_basis = [name for name in reduction.methods if METHODS[name].forces is not None]
     if not modes and without_basis:
-        text = f"'auto' does not choose for method '{without_basis[0]}'; give a list of numbers"
+        text = f"'auto' is not possible for method '{without_basis[0]}'; give a list of numbers"
         yield study.problem(("reduction", "joint_modes"), text)
     if not modes and not training.box:
-        text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
+        text = "joint_modes = 'auto' needs the loads of a box in [reduction.training]; add a box"
         yield study.problem(("reduction", "joint_modes"), text)
     if any(later <= earlier for earlier, later in pairwise(modes)):
         modes_text = ", ".join(map(str, modes))
         text = f"found {modes_text}; the numbers of modes must increase, sort them"
         yield study.problem(("reduction", "joint_modes"), text)
     if len(set(reduction.methods)) < len(reduction.methods):
-        text = "a method is named twice; name each once"
+        text = "a method is named twice; keep one"
         yield study.problem(("reduction", "methods"), text)
     learning = [name for name in reduction.methods if METHODS[name].trained]
     if not training.box and learning:
         text = (
-            f"method '{learning[0]}' learns from training loads and there are none; add "
-            "[reduction.training] with box = [{ boundary, component, min, max }], or name methods "
-            'that need none, as in methods = ["craig-bampton", "compliance"]'
+            f"method '{learning[0]}' needs training loads, and there are none; add "
+            "[reduction.training] with box = [{ boundary, component, min, max }], or use methods "
+            'without training, as in methods = ["craig-bampton", "compliance"]'
         )
         yield study.in_table(("reduction",), text)
     yield from repeated_loads(study, ("reduction", "training", "box"), training.box)
@@ -203,8 +203,8 @@ def _number_of_loads(study: Study) -> Iterator[Problem]:
     for count, what in ((combined, "levels"), (steps, "dynamics")):
         if count > LARGEST_COUNT:
             text = (
-                f"the combinations of {sides} sides are {count:.4g} loads, and {LARGEST_COUNT} are "
-                "the most that are kept; lower 'levels', shorten the box, or set dynamics = false"
+                f"the combinations of {sides} sides are {count:.4g} loads, expected at most "
+                f"{LARGEST_COUNT}; lower 'levels', shorten the box, or set dynamics = false"
             )
             yield study.problem(("reduction", "training", what), text)
 
@@ -230,7 +230,7 @@ def _load_cases(study: Study) -> Iterator[Problem]:
         yield from increment_problems(study, location, case)
         if case.rho_infinity is not None and case.integrator not in DAMPED:
             having = " and ".join(f'"{name}"' for name in DAMPED)
-            text = f"only integrator = {having} have it; remove it or add the integrator"
+            text = f"only integrator = {having} have it; remove it or set the integrator"
             yield study.problem((*location, "rho_infinity"), text)
 
 
@@ -246,8 +246,8 @@ def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator
         yield study.in_table(location, text)
     if case.rise_time is not None and case.rise_time > (case.duration or case.rise_time):
         text = (
-            f"found {case.rise_time:g}, which is longer than the duration {case.duration:g}: the "
-            "loads would never be reached; shorten it or lengthen the duration"
+            f"found {case.rise_time:g}, longer than the duration {case.duration:g}, so that the "
+            "loads are never reached; shorten it or lengthen the duration"
         )
         yield study.problem((*location, "rise_time"), text)
     if case.kind == "step" and case.duration is None and case.periods is None:
@@ -287,7 +287,7 @@ def _material(study: Study) -> Iterator[Problem]:
 
 
 def _parameters(study: Study) -> Iterator[Problem]:
-    """Find parameters that are no numbers of the study, and ranges that are none."""
+    """Yield parameters that name no number of the study, and invalid ranges."""
     tables = tomllib.loads(study.text)
     used: dict[Steps, str] = {}
     for number, section in enumerate(study.parameters):
@@ -303,13 +303,13 @@ def _parameters(study: Study) -> Iterator[Problem]:
                 wrong["keys"] = str(error)
                 continue
             if steps[-1] == "friction" and not section.range[0] > 0:
-                wrong["range"] = "without friction a joint has no backbone; begin above 0"
+                wrong["range"] = "without friction a joint has no backbone; start above 0"
             if steps in used:
                 wrong["keys"] = f"'{key}' belongs to parameter '{used[steps]}' already; remove it"
             elif isinstance(value_at(steps[:-1], tables), dict):
                 used[steps] = section.name
             else:
-                wrong["keys"] = f"the study has no table that '{key}' stands in; add it"
+                wrong["keys"] = f"the study has no table of '{key}'; add it"
         yield from study.problems(("parameter", number), wrong)
 
 

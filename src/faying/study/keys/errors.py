@@ -1,4 +1,4 @@
-"""From what is wrong in a study file to one message for the person who wrote it."""
+"""Mistakes in a study file, collected into one message for the user."""
 
 import re
 import tomllib
@@ -18,10 +18,10 @@ Location = tuple[str | int, ...]
 """Keys and zero-based array indices from the top of a file, e.g. ``("bolt", 0, "preload")``."""
 
 OWN_TYPE: Final = "faying"
-"""Type of the validation errors whose text is already meant for people."""
+"""Type of validation errors whose text is shown unchanged."""
 
 OF_TABLE: Final = "faying_table"
-"""The same of errors that are those of a whole table."""
+"""Type of such errors about a whole table."""
 
 UNKNOWN_KEY = "unknown_key"
 """Type of the validation error for a key that a table does not have."""
@@ -30,7 +30,7 @@ UNKNOWN_KEY = "unknown_key"
 def refusal(
     message: str, kind: Literal["faying", "faying_table"] = OWN_TYPE
 ) -> PydanticCustomError:
-    """Return a validation error whose text is shown as it stands."""
+    """Return a validation error whose text is shown unchanged."""
     # pydantic formats the template with its context; braces of the text itself must survive
     return PydanticCustomError(kind, "{message}", {"message": message})
 
@@ -46,14 +46,14 @@ EXPECTED = {
     "model_type": ("one table", "write { key = value }, or [name] above it"),
     "path_type": ("a file name", "put it in quotes"),
 }
-"""Validation error to what was expected and how to write it."""
+"""What was expected, and how to write it, by type of validation error."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake: where, and what is said before and behind that.
+    """A mistake: its location, and the text before and after it.
 
-    Where in the file a key or table stands is looked for when it is told.
+    The line of the location is searched when the message is made.
     """
 
     location: Location
@@ -70,24 +70,24 @@ class StudySource:
     text: str
 
     def told(self, problem: Problem) -> str:
-        """Return a mistake with where it is."""
+        """Return the message of a mistake with its location."""
         where = self.table if problem.of_table else self.place
         return f"{problem.before}{where(problem.location)}{problem.behind}"
 
     def place(self, location: Location) -> str:
-        """Say where a location is, as in "'preload' in [[bolt]] number 1 of S.toml (line 3)"."""
+        """Return a location such as "'preload' in [[bolt]] number 1 of S.toml (line 3)"."""
         shown = f"{_described(location)}{self.path.name}"
         line = self._line(location)
         return f"{shown} (line {line})" if line else shown
 
     def table(self, location: Location) -> str:
-        """Say where a table is, as in "[[bolt]] number 1 of S.toml (line 1)"."""
+        """Return the location of a table such as "[[bolt]] number 1 of S.toml (line 1)"."""
         words = f"{_table(location)} of {self.path.name}" if location else self.path.name
         line = self._line(location)
         return f"{words} (line {line})" if line else words
 
     def _line(self, location: Location) -> int | None:
-        """Return the line of a table, key or entry, or of what it would stand in."""
+        """Return the line of a table, key or entry; of its parent where it is missing."""
         while location:
             line = line_of(self.text, location)
             if line is not None:
@@ -99,8 +99,8 @@ class StudySource:
 def line_of(text: str, location: Location) -> int | None:
     r"""Return the line (from 1) on which a table, key or entry of a TOML text begins.
 
-    It is the first at whose end the text before has it: tomllib reports no lines. None of what is
-    not there.
+    tomllib reports no lines: the first line is searched up to which the text contains the location.
+    None if the text does not contain it.
 
     Examples
     --------
@@ -130,11 +130,11 @@ _OPENING = re.compile(
     r"|'[^'\n]*'",
     re.DOTALL,
 )
-"""Texts and comments, and the brackets outside of them."""
+"""Texts, comments, and brackets outside of both."""
 
 
 def _begun(text: str) -> dict[str, Any]:
-    """Return the tables of the beginning of a TOML text, in which lists may still be open."""
+    """Return the tables in the first lines of a TOML text, in which lists may be open."""
     closing = []
     for token in _OPENING.findall(text):
         if token in ("[", "{"):
@@ -150,7 +150,7 @@ def _begun(text: str) -> dict[str, Any]:
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
-    """Say which known name is meant, or list them.
+    """Return a hint to the most similar known name, or to all of them.
 
     Examples
     --------
@@ -163,21 +163,21 @@ def nearest(word: str, words: Iterable[str]) -> str:
 
 
 def guess(word: str, names: Iterable[str]) -> str:
-    """Say which known name is meant, or nothing if none is near."""
+    """Return a hint to the most similar known name; empty if none is similar."""
     lower = {name.lower(): name for name in names}
     close = get_close_matches(word.lower(), list(lower), n=1)
     return f"did you mean '{lower[close[0]]}'?" if close else ""
 
 
 def one_of(word: object, names: Sequence[str]) -> str:
-    """Say that something else than one of a few names was found, and which is meant."""
+    """Return a message that a name is not among the expected ones, with a hint."""
     text = f"found {shown(word)}, expected one of {quoted(names)}"
     meant = guess(str(word), names)
     return f"{text}; {meant}" if meant else text
 
 
 def quoted(names: Iterable[object]) -> str:
-    """Return names as 'a', 'b', 'c'."""
+    """Return names in quotes, separated by commas."""
     return ", ".join(f"'{name}'" for name in names)
 
 
@@ -222,7 +222,7 @@ def shown(value: object) -> str:
 
 
 def _expectation(kind: str, context: Mapping[str, Any], message: str) -> str:
-    """Say what was expected in place of a value, and how to mend it."""
+    """Return what was expected in place of a value, and how to correct it."""
     bounds = {
         "greater_than": "greater than {gt:g}",
         "greater_than_equal": "{ge:g} or more",
@@ -238,7 +238,7 @@ def _expectation(kind: str, context: Mapping[str, Any], message: str) -> str:
 
 
 def _described(location: Location) -> str:
-    """Words for a location, ending in "of " or "at the top of "."""
+    """Return a location in words, ending in "of " or "at the top of "."""
     if not location:
         return ""
     *table, last = location
@@ -254,7 +254,7 @@ def _described(location: Location) -> str:
 
 
 def _table(parts: Sequence[str | int]) -> str:
-    """Words for a table: [a.b], [[a]] number 1, [[a]] number 1, forces number 2."""
+    """Return a table in words: [a.b], [[a]] number 1, [[a]] number 1, forces number 2."""
     words: list[str] = []
     names: list[str] = []
     for part in parts:

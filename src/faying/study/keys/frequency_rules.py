@@ -1,4 +1,4 @@
-"""What harmonic loads of a study must be, and what they need of the model."""
+"""Rules for harmonic loads of a study, and their needs of the model."""
 
 from collections.abc import Iterator
 from itertools import starmap
@@ -16,7 +16,7 @@ from faying.study.keys.tables import Study
 
 
 def frequency_problems(study: Study) -> Iterator[Problem]:
-    """Find ranges, levels and loads that make no curve."""
+    """Yield invalid ranges, levels and forces of harmonic loads."""
     for i, swept in enumerate(study.frequencies):
         location: Location = ("frequency", i)
         yield from repeated_loads(study, (*location, "forces"), swept.forces)
@@ -25,27 +25,27 @@ def frequency_problems(study: Study) -> Iterator[Problem]:
             wrong[*location, "forces"] = "all forces are zero; give one an amplitude"
         for j, force in enumerate(swept.forces):
             if force.temperature is not None:
-                text = "a temperature does not vibrate; load a boundary, or take a deck_load"
+                text = "a temperature cannot be harmonic; load a boundary, or give a deck_load"
                 wrong[*location, "forces", j, "temperature"] = text
         if not swept.lowest < swept.highest:
-            text = f"found {swept.lowest:g}, which is not below to = {swept.highest:g}"
+            text = f"found {swept.lowest:g}, which is not below 'to' = {swept.highest:g}"
             wrong[*location, "from"] = f"{text}; exchange or change them"
         if len(set(swept.levels)) < len(swept.levels):
             wrong[*location, "levels"] = "a level occurs twice; keep one"
         fewest = 4 * (swept.harmonics or FEWEST)
         if swept.samples is not None and swept.samples < fewest:
-            text = f"found {swept.samples}, expected four for each harmonic, {fewest}, or more"
+            text = f"found {swept.samples}, expected at least four per harmonic, {fewest}"
             wrong[*location, "samples"] = text
         yield from starmap(study.problem, wrong.items())
 
 
 def frequencies_of(study: Study, model: Model) -> Iterator[Problem]:
-    """Find harmonic loads that a model cannot carry, and places that it cannot show."""
+    """Yield harmonic loads and response components that a model does not have."""
     for i, swept in enumerate(study.frequencies):
         wrong: dict[Location, str] = {}
         hard = [name for name, interface in model.interfaces.items() if not interface.law.yields]
         if hard:
-            text = f"interface '{hard[0]}' is hard, and small vibrations about it have no stiffness"
+            text = f"interface '{hard[0]}' is hard, so small vibrations have no contact stiffness"
             wrong["frequency", i] = f'{text}; give it a penalty, as penalty = "auto"'
         try:
             harmonic_inputs(model, swept.load)
@@ -54,16 +54,16 @@ def frequencies_of(study: Study, model: Model) -> Iterator[Problem]:
         else:
             components = boundary_components(model)
             if shown_place(swept, components) not in components:
-                text = "none of its boundaries moves alone" if swept.at is None else swept.at
+                text = "no component of its loads" if swept.at is None else swept.at
                 advice = nearest(swept.at or "", components) if components else "there is none"
                 wrong["frequency", i, "at"] = f"found {text}, expected a component; {advice}"
         yield from starmap(study.problem, wrong.items())
 
 
 def shown_place(swept: FrequencySection, components: tuple[str, ...]) -> str:
-    """Return the component of a boundary that is shown: that asked for, or the first loaded one.
+    """Return the boundary component whose response is shown: ``at``, or the first loaded component.
 
-    Of loads of the deck alone it is the first component that there is; it may not exist.
+    With loads of the deck alone it is the first component of all. It may not exist.
     """
     if swept.at is not None:
         return swept.at

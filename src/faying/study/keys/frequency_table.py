@@ -1,4 +1,4 @@
-"""The table [[frequency]]: a joint under harmonic loads."""
+"""The study table [[frequency]]: a joint under harmonic loads."""
 
 from typing import Annotated, Literal
 
@@ -11,7 +11,7 @@ from faying.study.keys.loading_table import Loading
 from faying.study.keys.section import Count, Name, Number, Positive, Section
 
 MOST_HARMONICS = 50
-"""Harmonics: each adds as many unknowns as modes take part."""
+"""Largest number of harmonics; each adds an unknown per active mode."""
 
 
 class HarmonicForce(Loading):
@@ -37,7 +37,7 @@ class FrequencySection(Section):
 
     @property
     def load(self) -> dict[str, complex]:
-        """Complex amplitudes at level one, by what they load."""
+        """Complex amplitudes at level one, by load target."""
         turned = {
             force.target: complex(np.exp(1j * np.radians(force.phase))) for force in self.forces
         }
@@ -45,5 +45,5 @@ class FrequencySection(Section):
 
     @property
     def asked(self) -> Vector:
-        """Frequencies that are asked for (n,)."""
+        """Requested frequencies (n,)."""
         return np.linspace(self.lowest, self.highest, self.points)

@@ -1,4 +1,4 @@
-"""What load cases in increments, backbones, and studies of joints with friction must be."""
+"""Rules for load cases in increments, for backbones, and for joints with friction."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -18,17 +18,17 @@ from faying.study.keys.tables import LoadCaseSection, Study
 from faying.study.keys.threads import thread_of
 
 MOST_MAPS = 6
-"""Maps that stand side by side."""
+"""Largest number of maps side by side."""
 
 
 def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
-    """Find what backbones lack or have too much, and loads that other cases lack."""
+    """Yield missing and superfluous keys of backbones, and missing loads of other cases."""
     if case.kind != "backbone":
         if not case.forces:
             yield study.in_table(location, "'forces' is missing or empty; add one or more loads")
         return
     if case.forces:
-        text = "a backbone is loaded by the inertia of its modes alone; remove it"
+        text = "a backbone is loaded only by the inertia of its modes; remove it"
         yield study.problem((*location, "forces"), text)
     if not case.modes:
         text = "kind = \"backbone\" needs 'modes', as modes = [1, 2]; add it"
@@ -58,16 +58,16 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
 
 
 def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
-    """Find backbones without friction, of modes or at places that a model does not have."""
+    """Yield backbones without friction, and with modes or boundaries that do not exist."""
     for i, case in enumerate(study.load_cases):
         if case.kind != "backbone":
             continue
         wrong: dict[str, str] = {}
         if not model.contact.rubbing_interfaces:
-            wrong["kind"] = "no interface has friction, which makes damping; add 'friction' to one"
+            wrong["kind"] = "no interface has friction, so nothing is damped; add 'friction'"
         count = model.K.shape[0] - 1
         if any(mode > count for mode in case.modes):
-            wrong["modes"] = f"the model has {count} modes; take smaller numbers"
+            wrong["modes"] = f"the model has {count} modes; give smaller numbers"
         try:
             _check_place(case.at, list(model.boundaries))
         except ModelError as error:
@@ -82,7 +82,7 @@ def _check_place(boundary: str | None, boundaries: list[str]) -> None:
     if name not in boundaries:
         refuse_model(f"there is no boundary '{name}'; {nearest(name, boundaries)}")
     if component and component not in DISPLACEMENT_NAMES:
-        refuse_model(f"'{component}' is no component; they are {quoted(DISPLACEMENT_NAMES)}")
+        refuse_model(f"'{component}' is not one of the components {quoted(DISPLACEMENT_NAMES)}")
 
 
 KINDS = {
@@ -98,13 +98,13 @@ KINDS = {
     "slip_share": ("static", "cycle"),
     "rise_time": ("step",),
 }
-"""Kinds of load cases that have a key."""
+"""Kinds of load cases that may have a key."""
 
 
 def increment_problems(
     study: Study, location: Location, case: LoadCaseSection
 ) -> Iterator[Problem]:
-    """Find keys of increments where there are none, and paths without a usable file."""
+    """Yield keys that a kind of load case does not have, and paths without a valid file."""
     for key in sorted(case.model_fields_set.intersection(KINDS)):
         if case.kind not in KINDS[key]:
             having = " or ".join(f'"{kind}"' for kind in KINDS[key])
@@ -125,16 +125,16 @@ def increment_problems(
 
 
 def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
-    """Find tangential penalties of interfaces that nothing gives friction."""
+    """Yield tangential penalties of interfaces without friction."""
     for i, interface in enumerate(study.interfaces):
         stated = "tangential_penalty" in interface.model_fields_set
         if stated and not interface.friction and not SOURCES[study.model.source].is_deck:
-            text = "there is no friction that it could serve; add 'friction' or remove it"
+            text = "the interface has no friction; add 'friction' or remove it"
             yield study.problem(("interface", i, "tangential_penalty"), text)
 
 
 def scatter_problems(study: Study) -> Iterator[Problem]:
-    """Find scatter that makes no sense, or is of what the bolts do not tell."""
+    """Yield inconsistent preload scatter, and scatter that needs missing data of bolts."""
     section = study.preload_scatter
     if section is None:
         return
@@ -147,7 +147,7 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
             thread = thread_of(bolt, study.units)
             if thread is None or thread.head_diameter is None:
                 text = (
-                    f"scatter of friction in thread and head takes the size and grade of bolt "
+                    f"scatter of friction in thread and head needs the size and grade of bolt "
                     f'\'{bolt.name}\'; add size = "M8" and grade = "8.8"'
                 )
                 location = ("bolt", i)
@@ -155,12 +155,12 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
 
 
 def check_friction(study: Study, model: Model) -> None:
-    """Refuse what a study asks for that a joint with friction or gaskets, or without, cannot give.
+    """Refuse keys of a study that joints with friction or gaskets, or without, exclude.
 
     Raises
     ------
     StudyError
-        One message with everything that is refused, by name.
+        One message with all refused keys.
     """
     rubbing = model.contact.rubbing_interfaces
     problems = [
@@ -175,7 +175,7 @@ def check_friction(study: Study, model: Model) -> None:
 
 
 def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
-    """Find columns of paths that are neither loads nor bolts, and absurd factors of bolts."""
+    """Yield columns of paths that are neither loads nor bolts, and invalid bolt factors."""
     for i, case in enumerate(study.load_cases):
         if case.factors is None:
             continue
@@ -199,26 +199,26 @@ def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
 
 
 def _with_gasket(study: Study, interface: str) -> Iterator[Problem]:
-    """Find what does not carry how far a gasket was closed."""
-    reason = f"interface '{interface}' has the closure 'gasket', which remembers how far it was"
+    """Yield keys that cannot follow the closing history of a gasket."""
+    reason = f"interface '{interface}' has the closure 'gasket', which depends on its history"
     for i, case in enumerate(study.load_cases):
         if case.transient:
-            text = f"{reason} closed: take another kind of case, or the closure 'table'"
+            text = f"{reason}: give another kind of case, or the closure 'table'"
             yield study.problem(("load_case", i, "kind"), text)
     for name in study.reduction.methods:
         if METHODS[name].trained:
-            text = f"{reason} closed, and method '{name}' learns from single cases; take others"
+            text = f"{reason}, and method '{name}' is trained on single states; use other methods"
             yield study.problem(("reduction", "methods"), text)
     if study.sticking is not None:
-        text = f"{reason} closed, and parts that stick are solved anew; remove [sticking]"
+        text = f"{reason}, and sticking parts are solved again without it; remove [sticking]"
         yield study.problem(("sticking",), text)
     if not study.friction_during_preload:
-        text = f"{reason} closed by tightening, friction and all; remove this key"
+        text = f"{reason}, so tightening is followed with its friction; remove this key"
         yield study.problem(("friction_during_preload",), text)
 
 
 def _without(study: Study, model: Model) -> Iterator[Problem]:
-    """Find keys that only friction gives a meaning, or a gasket."""
+    """Yield keys that need friction or a gasket."""
     for i, case in enumerate(study.load_cases):
         for key in ("increments", "slip_share")[not model.contact.forgets :]:
             if case.kind == "static" and key in case.model_fields_set:
@@ -233,30 +233,30 @@ def _without(study: Study, model: Model) -> Iterator[Problem]:
 
 
 def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
-    """Find what knows no friction."""
+    """Yield keys that exclude friction."""
     reason = f"interface '{interface}' has friction"
     if study.sticking is not None:
-        text = f"{reason}, which says itself what sticks; remove [sticking], or the friction"
+        text = f"{reason}, which determines what sticks; remove [sticking], or the friction"
         yield study.problem(("sticking",), text)
     able = [name for name, method in METHODS.items() if not method.trained]
     for name in study.reduction.methods:
         if METHODS[name].trained:
             text = (
-                f"{reason}, and method '{name}' learns from normal contact forces alone; take "
+                f"{reason}, and method '{name}' is trained on normal contact forces alone; use "
                 f"one of {quoted(able)} (compliance is exact on paths)"
             )
             yield study.problem(("reduction", "methods"), text)
     places: dict[Location, str] = {}
     if study.reduction.training.box:
-        places["reduction", "training", "box"] = "training loads are solved without it"
+        places["reduction", "training", "box"] = "training loads are solved without friction"
     if not study.reduction.joint_modes:
-        places["reduction", "joint_modes"] = "'auto' goes by certificates, which know none"
+        places["reduction", "joint_modes"] = "'auto' uses certificates, which exclude friction"
     for location, what in places.items():
         yield study.problem(location, f"{reason}, and {what}; remove it")
 
 
 FULL_UP_TO = 100_000
-"""Free degrees of freedom up to which everything is compared with the full model by default.
+"""Free degrees of freedom up to which all load cases are compared with the full model by default.
 
 A step of the full model takes some tenths of a second there, a response of some hundred steps
 minutes.
@@ -266,7 +266,7 @@ Kind = Literal["full", "worst", "none"]
 
 
 def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:
-    """Return the kind of reference of a study, and why where the study leaves it open."""
+    """Return the kind of reference of a study, and the reason where it was chosen."""
     asked, n_dof = study.validation.reference, model.structure.n_dof
     if not model.contact.forgets:
         reason = "with friction or gaskets, all load cases are compared with the full model"

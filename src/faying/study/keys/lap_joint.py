@@ -1,4 +1,4 @@
-"""[model.lap_joint]: checked against the keywords of the generator itself."""
+"""The study table [model.lap_joint], checked against the keywords of the generator."""
 
 import inspect
 import json
@@ -21,22 +21,22 @@ ELSEWHERE = {
     "order": "[[interface]]",
     "meshes": "[[interface]]",
 }
-"""Keywords of the generator that the study file gives in a table of their own."""
+"""Keywords of the generator that are given in other tables of the study."""
 
 
 def lap_joint_keywords(study: Study) -> dict[str, Any]:
-    """Return the study's keywords for the generator, in the types it declares."""
+    """Return the keywords of the study for the generator, in their declared types."""
     keywords = _schema().model_validate_json(_json(study), strict=True)
     return {name: getattr(keywords, name) for name in study.model.lap_joint}
 
 
 def lap_joint_problems(study: Study) -> Iterator[Problem]:
-    """Keywords the generator does not have, values of a wrong type, and other materials."""
+    """Yield unknown keywords, values of a wrong type, and other materials."""
     if study.model.source != "lap-joint":
         return
     for name in study.materials:
         if name != STEEL.name:
-            remedy = f"the lap joint is of '{STEEL.name}'; rename the table"
+            remedy = f"the material of the lap joint is '{STEEL.name}'; rename the table"
             yield study.in_table(("material", name), remedy)
     schema = _schema()
     for name in study.model.lap_joint:
@@ -58,7 +58,7 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
 
 
 def _schema() -> type[BaseModel]:
-    """Mirror the signature of the generator."""
+    """Return a schema with the keywords of the generator."""
     parameters = inspect.signature(lap_joint_assembly).parameters.values()
     keys: dict[str, Any] = {
         parameter.name: (parameter.annotation, parameter.default)
@@ -70,5 +70,5 @@ def _schema() -> type[BaseModel]:
 
 
 def _json(study: Study) -> str:
-    # JSON, because strict validation of Python values refuses a list where a tuple is declared
+    # JSON, because strict validation of Python values refuses lists for tuples.
     return json.dumps(dict(study.model.lap_joint), default=str)

@@ -1,4 +1,4 @@
-"""Csv files that load cases name: histories over time, and load factors of a path."""
+"""Csv files of load cases: histories over time, and load factors of a path."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -30,10 +30,10 @@ ALL = "factor"
 def read_load_factors(path: Path, loads: Sequence[str]) -> NumberTable:
     """Read the load factors of a path.
 
-    It is comma-separated text: a line of names, then a line of numbers for each increment. Empty
-    lines and comments after ``#`` are allowed. Each of the loads of the case has a column unless
-    one of the columns is called ``factor`` and multiplies all. Other columns are factors of bolts'
-    initial forces.
+    The file has a line of column names, then a line of numbers for each increment. Empty
+    lines and comments after ``#`` are allowed. Each load of the case has a column, unless a
+    column ``factor`` multiplies all loads. Other columns are factors on initial forces of
+    bolts.
     """
     table = read_numbers(path, "load factors", largest=LARGEST)
     problems = list(_problems(table, loads))
@@ -43,7 +43,7 @@ def read_load_factors(path: Path, loads: Sequence[str]) -> NumberTable:
 
 
 def _problems(table: NumberTable, loads: Sequence[str]) -> Iterator[str]:
-    """Say which loads have no factor, or two, and whether there are too many increments."""
+    """Yield loads without a factor or with two, and a wrong number of increments."""
     present = [load for load in loads if load in table.names]
     missing = [load for load in loads if load not in table.names]
     if "" in table.names:

@@ -10,7 +10,7 @@ ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
 
 
 def _load_name(value: Any) -> Any:
-    """Let the id of a load set stand for its name."""
+    """Return the id of a load set as its name."""
     return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
@@ -21,8 +21,8 @@ class Loading(Section):
     """A component of a boundary's load, a whole load of the deck, or a temperature."""
 
     alternatives = (
-        (("deck_load", "temperature", "boundary"), "what acts"),
-        (("deck_load", "temperature", "component"), "what acts"),
+        (("deck_load", "temperature", "boundary"), "the load"),
+        (("deck_load", "temperature", "component"), "the load"),
     )
     boundary: Name | None = None
     component: ForceComponent | None = None

@@ -1,4 +1,4 @@
-"""All places of a study that name a load, and the temperatures that loads are."""
+"""All loads of a study, and its temperatures."""
 
 from collections.abc import Iterator, Sequence
 
@@ -23,7 +23,7 @@ def loadings(study: Study) -> Iterator[tuple[Location, Loading]]:
 
 
 def repeated_loads(study: Study, location: Location, loads: Sequence[Loading]) -> Iterator[Problem]:
-    """Find loads that are there twice."""
+    """Yield loads that occur twice."""
     targets = [load.target for load in loads]
     for i, target in enumerate(targets):
         if target in targets[:i]:
@@ -33,7 +33,7 @@ def repeated_loads(study: Study, location: Location, loads: Sequence[Loading]) -
 
 
 def temperature_problems(study: Study) -> Iterator[Problem]:
-    """Find temperatures of matrices, those that no load takes, and loads that take another."""
+    """Yield temperatures that are empty, unused or undefined, or that matrices cannot have."""
     loads = [(key, load) for key, load in loadings(study) if load.temperature is not None]
     for location, load in loads:
         if load.temperature not in study.temperatures:
@@ -52,17 +52,17 @@ def temperature_problems(study: Study) -> Iterator[Problem]:
         table: Location = ("temperature", name)
         text = ""
         if not SOURCES[study.model.source].has_elements:
-            text = "matrices do not tell what expands in them; remove [temperature], or take a mesh"
+            text = "matrices contain no thermal expansion; remove [temperature], or use a mesh"
         elif section.uniform is None and not section.parts:
             text = "nothing has a temperature; give 'uniform' or 'parts'"
         elif name not in used:
-            text = f'no load takes it; add {{ temperature = "{name}", value = 1 }} to forces'
+            text = f'no load uses it; add {{ temperature = "{name}", value = 1 }} to forces'
         if text:
             yield study.in_table(table, text)
 
 
 def temperature_name_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
-    """Find temperatures with the name of a load of the deck."""
+    """Yield temperatures with the name of a load of the deck."""
     for name in study.temperatures:
         if name in assembly.loads:
             table: Location = ("temperature", name)

@@ -1,4 +1,4 @@
-"""[[measurement]]: curves of a test beside computed ones, from csv, or UFF 58 through pyuff."""
+"""[[measurement]]: measured curves beside computed ones, from csv, or UFF 58 through pyuff."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -20,19 +20,19 @@ from faying.study.keys.tables import MeasurementSection, Study
 Kind = Literal["displacement", "velocity", "acceleration"]
 
 RESPONSE_COLUMNS = (("frequency", "real", "imag"), ("frequency", "magnitude", "phase"))
-"""What a csv file has; phases in radians, positive where the response leads."""
+"""Columns of a csv file; phases in radians, positive where the response leads."""
 
 ORDERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
-"""How many times a response is differentiated by time."""
+"""Number of time derivatives of a response."""
 
 UFF_KINDS: dict[int, Kind] = {8: "displacement", 11: "velocity", 12: "acceleration"}
-"""Ordinates of data set 58."""
+"""Kind of response by the ordinate type of data set 58."""
 
 
 def read_response(path: Path, kind: Kind) -> tuple[Vector, ComplexVector]:
-    """Return frequencies (n,), rising, and displacement per force (n,).
+    """Return increasing frequencies (n,), and displacement per force (n,).
 
-    The kind says what responds, where the file does not.
+    ``kind`` applies where the file does not state the kind of response.
     """
     if path.suffix.lower() in (".uff", ".unv"):
         frequency, response, kind = _uff(path, kind)
@@ -76,11 +76,11 @@ COLUMNS = (
     ("amplitude", "frequency"),
     ("amplitude", "damping"),
 )
-"""What a file may have."""
+"""Sets of columns that a file may have."""
 
 
 def measured_curves(study: Study) -> tuple[MeasuredCurve, ...]:
-    """Read the curves of a study.
+    """Read the measured curves of a study.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def measured_curves(study: Study) -> tuple[MeasuredCurve, ...]:
 def measured_responses(
     study: Study, swept: FrequencySection, component: str = ""
 ) -> dict[str, ResponseCurve]:
-    """Read the responses of a test of a component to a harmonic load, one force, by their names."""
+    """Read the measured responses of a component to a harmonic load with one force, by name."""
     curves = {}
     for section in study.measurements:
         for response in section.response if section.frequency == swept.name else ():
@@ -141,12 +141,12 @@ def _columns(section: MeasurementSection) -> dict[str, Vector]:
 
 
 def measurement_problems(study: Study) -> Iterator[Problem]:
-    """Find measured curves that nothing computed stands beside, and files that cannot be read."""
+    """Yield measured curves without a computed one, and files that cannot be read."""
     names = [section.name for section in study.measurements]
     for number, section in enumerate(study.measurements):
         wrong: dict[str, str] = {}
         if section.name in names[:number]:
-            wrong["name"] = f"two measurements are called '{section.name}'; give each its own name"
+            wrong["name"] = f"two measurements are called '{section.name}'; names must differ"
         missing = next(_incomplete(section), None)
         if missing is not None:
             yield study.in_table(("measurement", number), missing)
@@ -158,11 +158,11 @@ def measurement_problems(study: Study) -> Iterator[Problem]:
 
 
 def _incomplete(section: MeasurementSection) -> Iterator[str]:
-    """Yield what a table says too little or too much of."""
+    """Yield missing and contradictory keys of a table."""
     if section.frequency is None and (section.load_case is None or section.mode is None):
-        yield "it stands beside nothing; give 'load_case' and 'mode' of a backbone, or 'frequency'"
+        yield "no computed curve is named; give 'load_case' and 'mode', or 'frequency'"
     elif section.frequency is not None and (section.load_case, section.mode) != (None, None):
-        yield "it stands beside a backbone or a [[frequency]]; take away one of them"
+        yield "a backbone and a [[frequency]] are named; remove one of them"
     key = "amplitude" if section.frequency is None else "level"
     if any(getattr(response, key) is None for response in section.response):
         yield f"each [[measurement.response]] needs '{key}'; add it"
@@ -171,7 +171,7 @@ def _incomplete(section: MeasurementSection) -> Iterator[str]:
 
 
 def _beside_a_backbone(study: Study, section: MeasurementSection) -> dict[str, str]:
-    """Return what is wrong with a curve over amplitude, by key."""
+    """Return the problems of a curve over amplitude, by key."""
     backbones = {case.name: case for case in study.load_cases if case.kind == "backbone"}
     case, wrong = backbones.get(section.load_case or ""), dict[str, str]()
     if case is None:
@@ -181,7 +181,7 @@ def _beside_a_backbone(study: Study, section: MeasurementSection) -> dict[str, s
         modes = ", ".join(map(str, case.modes))
         wrong["mode"] = f"load case '{case.name}' computes modes {modes}; name one of them"
     elif case.over != "amplitude":
-        wrong["load_case"] = f"'{case.name}' goes over energy, and curves over amplitude"
+        wrong["load_case"] = f"'{case.name}' is over energy, and measured curves over amplitude"
     try:
         _curve(section)
     except (FormatError, ModelError) as error:
@@ -190,7 +190,7 @@ def _beside_a_backbone(study: Study, section: MeasurementSection) -> dict[str, s
 
 
 def _beside_a_sweep(study: Study, section: MeasurementSection) -> dict[str, str]:
-    """Return what is wrong with curves over frequency, by key."""
+    """Return the problems of curves over frequency, by key."""
     sweeps = {swept.name: swept for swept in study.frequencies}
     swept = sweeps.get(section.frequency or "")
     if swept is None:
@@ -211,9 +211,9 @@ def _beside_a_sweep(study: Study, section: MeasurementSection) -> dict[str, str]
 
 
 def compared(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> dict[str, Any]:
-    """Return a measured curve and its deviations as they stand in ``summary.json``.
+    """Return a measured curve and its deviations for ``summary.json``.
 
-    None where the backbone does not reach an amplitude, or nothing was measured.
+    Values are None where the backbone does not reach an amplitude, or were not measured.
     """
     figures: dict[str, Any] = {
         "load_case": curve.case,
@@ -234,10 +234,10 @@ def compared(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> dict[st
 
 
 def sentence(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> str:
-    """Say how far computed frequencies and damping ratios are from measured ones."""
+    """Return a sentence about the deviations of frequencies and damping ratios."""
     computed = backbones.get(str(curve.mode))
     if computed is None:
-        return f"'{curve.name}' has no computed curve beside it"
+        return f"'{curve.name}' has no computed curve"
     differences = deviations(curve, computed)
     count, said = int(np.count_nonzero(np.isfinite(differences.frequency))), []
     if not count:

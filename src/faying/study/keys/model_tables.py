@@ -40,7 +40,7 @@ from faying.study.keys.topographies import CrownSection, TopographySection
 
 
 def _closure(value: Any, info: ValidationInfo) -> Curve:
-    """Return the curve that a study names, by a csv file or by its parameters."""
+    """Return the closure of a study, from a csv file or from parameters."""
     if isinstance(value, Curve):
         return value
     if not isinstance(value, Mapping) or len(value) != 1:
@@ -59,7 +59,7 @@ def _closure(value: Any, info: ValidationInfo) -> Curve:
 
 
 def _parameters(name: str, values: Any) -> dict[str, Any]:
-    """Return the parameters of a curve, none missing, unknown or no number."""
+    """Return the checked parameters of a closure by name."""
     if not isinstance(values, Mapping):
         message = f"found {shown(values)}, expected {_example(name)}"
         raise refusal(message)
@@ -102,8 +102,8 @@ DisplacementComponent = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 class MatrixFiles(Section):
     """[model.files]: what :func:`faying.io.matrices.read_matrices` reads.
 
-    Matrices may come constrained, without rows for what is held or depends on others; or ``held``
-    names the rows to hold.
+    Matrices may be constrained, without rows of held or dependent degrees of freedom; or ``held``
+    lists the rows to hold.
     """
 
     K: ExistingFile
@@ -117,7 +117,7 @@ class MatrixFiles(Section):
 
 
 def _named_set(value: Any) -> Any:
-    """Give the short forms of a set their keys."""
+    """Return the short forms of a set with their keys."""
     if isinstance(value, str):
         return {"deck": value}
     if isinstance(value, int) and not isinstance(value, bool):
@@ -147,7 +147,7 @@ AnySet = Annotated[
 
 
 class ModelSection(Section):
-    """[model]: where the structure comes from."""
+    """[model]: the source of the structure."""
 
     source: Annotated[str, name_in(SOURCES)]
     file: ExistingFile | None = None
@@ -165,7 +165,7 @@ class ModelSection(Section):
 
 
 class MaterialSection(Section):
-    """[material.NAME]: values that replace those of the material of that name.
+    """[material.NAME]: constants that replace those of a material.
 
     E [force/length²], rho [mass/length³], alpha [1/temperature].
     """
@@ -187,7 +187,7 @@ class TemperatureSection(Section):
 class InterfaceSection(Section):
     """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`."""
 
-    alternatives = ((("penalty", "closure"), "how pressure grows as the sides approach"),)
+    alternatives = ((("penalty", "closure"), "the contact law"),)
     name: Name
     minus: Selection = "auto"
     plus: Selection = "auto"
@@ -246,10 +246,10 @@ class BoltSection(Section):
     """[[bolt]]: see :class:`faying.model.specs.BoltSpec`."""
 
     alternatives = (
-        (("elements", "nodes", "axis"), "where the bolt is"),
-        (("preload", "torque", "utilisation", "initial_force"), "how far it is tightened"),
-        (("size", "thread"), "what its thread is"),
-        (("gamma", "tightening_factor"), "how far its preload scatters"),
+        (("elements", "nodes", "axis"), "the place of the bolt"),
+        (("preload", "torque", "utilisation", "initial_force"), "the tightening"),
+        (("size", "thread"), "the thread"),
+        (("gamma", "tightening_factor"), "the scatter of its preload"),
     )
     name: Name
     preload: NotNegative | None = None
@@ -285,7 +285,7 @@ class BoltSection(Section):
 
 
 class SupportSection(Section):
-    """[[support]]: nodes held at zero, beside what the source holds itself."""
+    """[[support]]: nodes held at zero, beside the supports of the source."""
 
     one_of = ("set", "node")
     set: Name | None = None
@@ -308,9 +308,9 @@ class MassSection(Section):
 
 
 class BoundarySection(Section):
-    """[[boundary]]: where loads enter, see :class:`faying.model.specs.BoundarySpec`."""
+    """[[boundary]]: a place for loads, see :class:`faying.model.specs.BoundarySpec`."""
 
-    alternatives = ((("set", "node"), "which nodes it is at"),)
+    alternatives = ((("set", "node"), "its nodes"),)
     name: Name
     set: Name | None = None
     node: Id | None = None

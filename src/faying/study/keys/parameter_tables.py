@@ -1,4 +1,4 @@
-"""[[parameter]] and [band]: what of a joint is known by its range alone."""
+"""[[parameter]] and [band]: numbers of a joint that are known only by their ranges."""
 
 from typing import Annotated, Any, Literal
 
@@ -12,14 +12,14 @@ VARIABLE = {
     "bolt": ("preload",),
     "damping": ("alpha", "beta"),
 }
-"""Keys of tables that leave the structure and its compliance as they are."""
+"""Keys that may vary because they do not change the structure and its compliance."""
 
 Steps = tuple[str | int, ...]
-"""Where a number stands in the tables of a study file."""
+"""Keys and indices from the top of a study file to a number."""
 
 
 class ParameterSection(Section):
-    """[[parameter]]: a number of the study that is known by its range alone."""
+    """[[parameter]]: a number of the study that is known only by its range."""
 
     name: Name
     keys: Annotated[tuple[Name, ...], Field(min_length=1)]
@@ -27,28 +27,28 @@ class ParameterSection(Section):
 
 
 class BandSection(Section):
-    """[band]: at which values of the parameters a band is computed."""
+    """[band]: the design of parameter values for a band."""
 
     design: Literal["corners", "quasi-random"] = "corners"
     samples: Count = 32
 
 
 def steps_to(key: str, tables: Any) -> Steps:
-    """Return where a key such as ``"interface.joint.crown.1.height"`` stands.
+    """Return the steps to a key such as ``"interface.joint.crown.1.height"``.
 
-    The tables are those of a study file, as TOML gives them.
+    ``tables`` is the parsed TOML of a study file.
     """
     table, _, inner = key.partition(".")
     if table not in VARIABLE:
         message = (
-            f"'{table}' changes the structure or is no table; parameters are numbers of "
+            f"'{table}' changes the structure or does not exist; parameters are numbers of "
             f"{', '.join(VARIABLE)}"
         )
         raise LookupError(message)
     where: Steps = (table,)
     entries = tables.get(table, [])
     if isinstance(entries, list):
-        # Names may have dots themselves, so the longest that fits is meant.
+        # Names may contain dots, so the longest fitting one is taken.
         names = [entry["name"] for entry in entries]
         fitting = [name for name in names if inner.startswith(f"{name}.")]
         if not fitting:
@@ -59,15 +59,13 @@ def steps_to(key: str, tables: Any) -> Steps:
         where, inner = (table, names.index(name)), inner.removeprefix(f"{name}.")
     path = inner.split(".")
     if path[0] not in VARIABLE[table]:
-        message = (
-            f"'{path[0]}' is no key of {table} that may vary; {nearest(path[0], VARIABLE[table])}"
-        )
+        message = f"key '{path[0]}' of {table} cannot vary; {nearest(path[0], VARIABLE[table])}"
         raise LookupError(message)
     return (*where, *(int(step) - 1 if step.isdecimal() else step for step in path))
 
 
 def value_at(steps: Steps, tables: Any) -> Any:
-    """Return what stands somewhere in the tables; None where nothing does."""
+    """Return the value at some steps in the tables; None where it is missing."""
     for step in steps:
         try:
             tables = tables[step]

@@ -1,4 +1,4 @@
-"""Tables in Parquet files, where pyarrow is installed."""
+"""Tables in Parquet files, read with pyarrow."""
 
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from faying.files.number_table import NumberTable
 def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
     """Return the modules pyarrow and pyarrow.parquet.
 
-    Messages say ``what`` needs them, and what to do otherwise, in place of installing them.
+    If missing, the message states ``what`` needs them, and what to do ``otherwise``.
     """
     try:
         import pyarrow
@@ -29,15 +29,15 @@ def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
 
 
 def parquet_table(path: Path, label: str) -> NumberTable:
-    """Return the numbers of a file, and the names of its rows.
+    """Return the table of numbers in a file, with the names of its rows.
 
-    They are in the column ``label``, which is no column of numbers.
+    The names are in the column ``label``.
     """
     arrow, parquet = pyarrow_for(path.name, "save the table as csv")
     try:
         check_room(file_size(path), path)
         size = parquet.read_metadata(path)
-        # The numbers and one column as it is read: a few bytes may stand for many that are equal.
+        # The numbers and one column as read: equal values may be packed into a few bytes.
         check_room(8 * size.num_rows * (size.num_columns + 3), path)
         header = [str(name) for name in size.schema.to_arrow_schema().names]
         file = parquet.ParquetFile(path, read_dictionary=[label] if label in header else None)
@@ -80,7 +80,7 @@ def _names(path: Path, label: str, column: Any) -> tuple[str, ...]:
         refuse_study(f"{path.name}, row {row + 1}: column '{label}' is empty; name it")
     cells: list[str] = []
     for chunk in column.chunks:
-        # Texts that repeat are there once, as they are in the file.
+        # Repeated texts are stored once, as in the file.
         words = getattr(chunk, "dictionary", chunk).to_pylist()
         places = chunk.indices.to_pylist() if hasattr(chunk, "indices") else range(len(words))
         words = list(map(str, words))

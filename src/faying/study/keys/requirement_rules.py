@@ -1,4 +1,4 @@
-"""What of a study's requirements is known before the run to be wrong, or not to be judged."""
+"""Checks of requirements before a run: wrong names, and requirements that cannot be judged."""
 
 from collections.abc import Iterator
 
@@ -13,21 +13,21 @@ from faying.study.keys.tables import Study
 
 
 def requirements_of(section: RequirementSection) -> Requirements:
-    """Return what a study demands."""
+    """Return the requirements of a study."""
     keys = {n: getattr(section, n) for n in type(section).model_fields if n != "margins"}
     rings = tuple(ClosedRing(**ring.model_dump()) for ring in section.closed_ring)
     return Requirements(**{**keys, "closed_ring": rings})
 
 
 def check_requirements(study: Study, model: Model) -> None:
-    """Refuse requirements on interfaces that are not there.
+    """Refuse requirements on unknown interfaces.
 
     Raises
     ------
     StudyError
-        One message with all of them.
+        One message with all unknown names.
     ModelError
-        If no ring goes around a hole.
+        If a ring does not surround a hole.
     """
     requirements = requirements_of(study.requirement)
     problems = []
@@ -43,7 +43,7 @@ def check_requirements(study: Study, model: Model) -> None:
 
 
 def not_judged(study: Study, model: Model) -> Iterator[str]:
-    """Say which requirements a run will not be able to judge, and why."""
+    """Yield the requirements that a run cannot judge, with reasons."""
     section, kinds = study.requirement, {case.kind for case in study.load_cases}
     rubbing = bool(model.contact.rubbing_interfaces)
     followed = rubbing and kinds & {"static", "cycle"}
@@ -55,4 +55,4 @@ def not_judged(study: Study, model: Model) -> Iterator[str]:
     if section.min_sliding_factor is not None and not followed:
         yield f"min_sliding_factor cannot be judged: {NO_FRICTION}"
     if section.min_opening_factor is not None and "static" not in kinds:
-        yield "min_opening_factor cannot be judged: it is about static loads, and there is none"
+        yield "min_opening_factor cannot be judged: it needs a static load case"

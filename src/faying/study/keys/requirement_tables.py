@@ -1,4 +1,4 @@
-"""The tables of a study file that say what a joint must hold, and how its preloads scatter."""
+"""The tables of a study file for requirements on a joint, and for preload scatter."""
 
 from collections.abc import Mapping
 from typing import Annotated, Literal
@@ -32,7 +32,7 @@ class ScatterSection(Section):
 
     @property
     def spread(self) -> PreloadScatter:
-        """The scatter, temperatures aside."""
+        """The scatter without temperatures."""
         return PreloadScatter(**self.model_dump(exclude={"temperatures"}))
 
 
@@ -45,7 +45,7 @@ class RingSection(Section):
 
 
 class MarginsSection(Section):
-    """[requirement.margins]: by which standard the strength of bolts is judged, and its factors."""
+    """[requirement.margins]: the standard for the strength of bolts, and its factors."""
 
     standard: Literal["nasa-std-5020b", "vdi-symbols"]
     FF: Annotated[Number, Field(ge=1)] = 1.0
@@ -66,7 +66,7 @@ class MarginsSection(Section):
 
 
 class RequirementSection(Section):
-    """[requirement]: what the joint must hold under every load case; status 3 if it does not.
+    """[requirement]: limits for every load case; the exit status is 3 if one is exceeded.
 
     See :class:`faying.assessment.requirements.Requirements`.
     """

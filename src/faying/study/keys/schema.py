@@ -1,4 +1,4 @@
-"""Reading a study file: :func:`read_study` gives a checked :class:`Study` or one clear message."""
+"""Reading a study file: :func:`read_study` returns a checked :class:`Study` or raises."""
 
 import re
 import tomllib
@@ -20,7 +20,7 @@ from faying.study.keys.tables import LoadCaseSection, Study
 __all__ = ["EDITOR_SCHEMA", "Study", "parse_study", "read_load_cases", "read_study"]
 
 EDITOR_SCHEMA = Path(__file__).parents[1] / "study.schema.json"
-"""What editors complete and check keys with; ``tests/docs/study_schema.py`` writes it."""
+"""JSON schema for editors; ``tests/docs/study_schema.py`` writes it."""
 
 
 def read_study(path: Path | str) -> Study:
@@ -38,8 +38,8 @@ def read_study(path: Path | str) -> Study:
     Raises
     ------
     StudyError
-        If it cannot be read or asks for something that does not fit together. The one message
-        lists every mistake found with its place, what was found, what was expected, the remedy.
+        If the file cannot be read or is inconsistent. The message
+        lists every mistake with its place, what was found and expected, and the remedy.
     """
     return parse_study(_text(Path(path)), Path(path))
 
@@ -52,13 +52,13 @@ def parse_study(text: str, path: Path) -> Study:
 def read_load_cases(
     path: Path | str,
 ) -> tuple[tuple[LoadCaseSection, ...], RequirementSection | None]:
-    """Read the load cases of a file that has nothing else but requirements, or of a study.
+    """Read load cases and requirements of a file of load cases, or of a study.
 
     Returns
     -------
     tuple of LoadCaseSection
     RequirementSection or None
-        If there is one.
+        The requirements, if any.
     """
     text = _text(Path(path))
     tables = _tables(text, Path(path))
@@ -72,17 +72,17 @@ def read_load_cases(
                 f"unknown key {where}; a file of load cases has [[load_case]], [requirement] and a "
                 "title"
             )
-        # A load case is checked as in a study, whose model is a file here.
+        # Load cases are checked as in a study; any model will do.
         tables = {**tables, "model": {"source": "lap-joint"}}
     study = parse_tables(tables, source)
     if not study.load_cases:
-        message = f"{source.path.name} has no [[load_case]]; add one, there is nothing to compute"
+        message = f"{source.path.name} has no [[load_case]], there is nothing to compute; add one"
         raise StudyError(message)
     return study.load_cases, study.requirement if "requirement" in tables else None
 
 
 def stored_requirement(text: str) -> RequirementSection:
-    """Return what a study that was checked before demands; its files need not be here."""
+    """Return the requirements in the text of a checked study, whose files may be missing."""
     return RequirementSection.model_validate(tomllib.loads(text).get("requirement", {}))
 
 
@@ -93,8 +93,8 @@ def _tables(text: str, path: Path) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         message = f"{path.name} is not valid TOML: {error}; {_remedy(text, str(error))}"
         raise StudyError(message) from None
-    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, deep lists
-        message = f"{path.name} cannot be read ({error}); write shorter numbers and flatter lists"
+    except (ValueError, RecursionError) as error:  # numbers of thousands of digits, nested lists
+        message = f"{path.name} cannot be read ({error}); shorten numbers and nest lists less"
         raise StudyError(message) from None
 
 
@@ -110,7 +110,7 @@ def parse_tables(tables: Mapping[str, Any], source: StudySource) -> Study:
 
 
 def _remedy(text: str, error: str) -> str:
-    """Return what to do about a line that is no TOML, if it is one of the usual mistakes."""
+    """Return advice about a line that is not TOML."""
     position = re.search(r"at line (\d+)", error)
     line = text.splitlines()[int(position[1]) - 1] if position else ""
     if "overwrite" in error or "twice" in error:
@@ -123,7 +123,7 @@ def _remedy(text: str, error: str) -> str:
 
 
 def _text(path: Path) -> str:
-    """Read a file as UTF-8 text."""
+    """Return the text of a UTF-8 file."""
     try:
         return file_text(path)
     except UnicodeDecodeError as error:
@@ -136,9 +136,9 @@ def _text(path: Path) -> str:
 
 
 def _mistakes(error: ValidationError) -> list[Problem]:
-    """Translate a validation error, without the consequences of mistakes in other ones.
+    """Return the mistakes of a validation error, without consequences of other mistakes.
 
-    A list whose entries are refused counts as too short as well.
+    A list whose entries are refused is reported as too short as well, which is dropped.
     """
     entries = error.errors(include_url=False)
     inner = {entry["loc"][:depth] for entry in entries for depth in range(len(entry["loc"]))}
@@ -154,9 +154,9 @@ _NAMED = re.compile(r"^(interface|bolt|boundary) '([^']+)'")
 
 @contextmanager
 def naming_tables(study: Study) -> Iterator[None]:
-    """Say in front of complaints of interfaces, bolts and boundaries where the study has them.
+    """Add the place in the study to errors about interfaces, bolts and boundaries.
 
-    The model builder knows their names only; a deck's own have no table in the study.
+    The model builder knows only their names. Those of a deck have no place in the study.
     """
     try:
         yield

@@ -1,4 +1,4 @@
-"""What all tables of a study file have in common: the ranges and the types of their values."""
+"""The base class of all tables of a study file, and the types and ranges of values."""
 
 import os
 import sys
@@ -39,25 +39,25 @@ from faying.study.keys.errors import (
 )
 
 LARGEST_COUNT = 1_000_000
-"""Modes, levels, steps per period or loads: no memory holds a vector of a structure for each."""
+"""Most modes, levels, steps per period or loads: more would not fit in memory."""
 
 LARGEST_ID = int(2 / sys.float_info.epsilon)
-"""Ids of nodes and elements: whole numbers that tables of numbers hold exactly."""
+"""Largest id of a node or element that a float represents exactly."""
 
 LONGEST_NAME = 200
-"""Characters of a name: it becomes part of file names, which end at 255 bytes, and of tables."""
+"""Most characters of a name, which becomes part of file names of up to 255 bytes."""
 
 MOST_PRELOAD_FACTOR = 10.0
-"""Initial force of a bolt over that it was tightened to: bolts that are tightened at all yield long
-before, so that a larger number is meant as a force."""
+"""Largest initial force of a bolt over its preload: bolts yield far below it,
+so that a larger number must be meant as a force."""
 
 
 def in_range(value: float) -> float:
-    """Return a measure whose products with others can be computed."""
+    """Return a number whose products do not overflow or underflow."""
     if value != 0 and not SMALLEST <= abs(value) <= LARGEST:
         message = (
             f"found {shown(value)}, expected 0 or a magnitude from {SMALLEST:g} to {LARGEST:g}, "
-            "for products with others must stay within double precision; correct it or use other "
+            "because products must stay within double precision; correct it or use other "
             "units"
         )
         raise refusal(message)
@@ -65,18 +65,18 @@ def in_range(value: float) -> float:
 
 
 def countable(value: int) -> int:
-    """Return a number of things that can be kept in memory."""
+    """Return a count that fits in memory."""
     if value > LARGEST_COUNT:
         message = (
-            f"found {shown(value)}, expected at most {LARGEST_COUNT}, for no memory holds a vector "
-            "of a structure for each; lower it"
+            f"found {shown(value)}, expected at most {LARGEST_COUNT}, because each needs a vector "
+            "of the structure in memory; lower it"
         )
         raise refusal(message)
     return value
 
 
 def identifying(value: int) -> int:
-    """Return an id that tables of numbers hold exactly."""
+    """Return an id that a float represents exactly."""
     if abs(value) > LARGEST_ID:
         message = f"found {shown(value)}, expected an id up to 2^53; correct it"
         raise refusal(message)
@@ -84,19 +84,18 @@ def identifying(value: int) -> int:
 
 
 def showable(value: str) -> str:
-    """Return a text that tables and terminals can show."""
+    """Return a printable text."""
     strange = next((c for c in value if not c.isprintable()), "")
     if strange:
         message = (
-            f"found {value[:40]!a} with the character U+{ord(strange):04X}, which cannot be shown; "
-            "remove it"
+            f"found {value[:40]!a} with the unprintable character U+{ord(strange):04X}; remove it"
         )
         raise refusal(message)
     return value
 
 
 def nameable(value: str) -> str:
-    """Return a name that can be shown and be part of a file's name."""
+    """Return a printable name that is short enough for file names."""
     showable(value)
     if len(value) > LONGEST_NAME:
         message = f"found {len(value)} characters, expected at most {LONGEST_NAME}; shorten it"
@@ -105,7 +104,7 @@ def nameable(value: str) -> str:
 
 
 def all_in_range(value: Any) -> None:
-    """Refuse measures out of range in nested lists."""
+    """Refuse numbers out of range in nested lists."""
     if isinstance(value, (list, tuple)):
         for entry in value:
             all_in_range(entry)
@@ -116,9 +115,9 @@ def all_in_range(value: Any) -> None:
 def check_names(
     data: dict[str, Any], names: Iterable[str], gone: Mapping[str, str] = MappingProxyType({})
 ) -> None:
-    """Refuse the first key that is not known, naming the nearest one that is.
+    """Refuse the first unknown key, with the most similar known one.
 
-    Of keys that are gone it says what to do about them.
+    For removed keys the message states what to do about them.
     """
     names = list(names)
     for key in data:
@@ -129,17 +128,17 @@ def check_names(
 
 
 class Section(BaseModel):
-    """A table of the study file: immutable, and no key that is not known.
+    """A table of the study file: immutable, without unknown keys.
 
-    What keys mean is said in ``docs/study-file.md``; a test holds it to these tables.
+    The keys are described in ``docs/study-file.md``; a test compares it with these tables.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
     gone: ClassVar[Mapping[str, str]] = {}
     one_of: ClassVar[Sequence[str]] = ()
-    """Keys of which a table has one."""
+    """Keys of which a table must have exactly one."""
     alternatives: ClassVar[Sequence[tuple[Sequence[str], str]]] = ()
-    """Keys of which a table has one at most, and what each of them says."""
+    """Keys of which a table may have at most one, and what they determine."""
 
     @model_validator(mode="before")
     @classmethod
@@ -157,19 +156,19 @@ class Section(BaseModel):
         for keys, meaning in self.alternatives:
             stated = [key for key in keys if key in self.model_fields_set]
             if len(stated) > 1:
-                message = f"found {quoted(stated)}, which each say {meaning}; keep one of them"
+                message = f"found {quoted(stated)}, which each give {meaning}; keep one of them"
                 raise refusal(message, OF_TABLE)
         return self
 
 
 def stated(section: Section, kind: type) -> dict[str, Any]:
-    """Return the keys that a table states, of those that are fields of a dataclass."""
+    """Return the stated keys of a table that are fields of a dataclass, with their values."""
     names = section.model_fields_set.intersection(field.name for field in fields(kind))
     return {name: getattr(section, name) for name in names}
 
 
 def name_in(choices: Iterable[str]) -> BeforeValidator:
-    """Return the check that a value is one of the names of a registry."""
+    """Return a validator for the names of a registry."""
     names = list(choices)
 
     def checked(value: Any) -> str:
@@ -181,27 +180,27 @@ def name_in(choices: Iterable[str]) -> BeforeValidator:
 
 
 def existing_file(path: Path, info: ValidationInfo) -> Path:
-    """Resolve against the folder of the study file."""
+    """Return the absolute path of a file relative to the study file."""
     folder = info.context.path.parent if info.context else Path()
     try:
         resolved = (folder / path.expanduser()).resolve()
         usable = resolved.is_file()
-    except (OSError, RuntimeError, ValueError) as error:  # too long, a circle of links, a NUL
-        message = f"file {shown(str(path))} is no possible path ({error}); correct it"
+    except (OSError, RuntimeError, ValueError) as error:  # too long, circular links, NUL
+        message = f"file {shown(str(path))} is not a valid path ({error}); correct it"
         raise refusal(message) from None
     if not usable:
         what = "is a folder" if resolved.is_dir() else "does not exist"
         message = f"file '{path}' {what} ({resolved}); paths are relative to the study file"
         if "\\" in str(path) and os.sep != "\\":
-            message += ", and / separates folders here"
+            message += ", and folders are separated by /"
         raise refusal(message)
     return resolved
 
 
 def in_words(expected: str, words: Sequence[str] = (), schema: Any = PydanticUndefined) -> Any:
-    """Return the check that a value is of a type, said in words where it is of another.
+    """Return a validator of a type whose message states what was expected in words.
 
-    The words are those that may stand in place of a number.
+    ``words`` are the texts that are allowed in place of a number.
     """
 
     def checked(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:

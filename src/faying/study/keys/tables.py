@@ -1,6 +1,6 @@
 """The tables of a study file, one class each, with every key and default.
 
-What single values must be is said here; what they must be together, in ``consistency``.
+Types and ranges of single values are here, rules between values in ``consistency``.
 """
 
 from collections.abc import Iterator, Mapping
@@ -79,7 +79,7 @@ OutputField = Literal["pressure", "gap", "displacement"]
 
 
 class OutputSection(Section):
-    """[output]: what is written."""
+    """[output]: files and fields to write."""
 
     times: tuple[NotNegative, ...] = ()
     fields: tuple[OutputField, ...] = ("pressure", "gap", "displacement")
@@ -89,22 +89,22 @@ class OutputSection(Section):
 def _no_sweep(value: Any) -> Any:
     if value is not False:
         message = (
-            "the sweep over the contact stiffness is gone, remove it; the report tells how far "
-            "surfaces penetrate, and 'penalty' in [[interface]] repeats a study with another"
+            "the sweep over the contact stiffness was removed; remove the key. The report has the "
+            "penetration, and 'penalty' in [[interface]] sets another stiffness"
         )
         raise refusal(message)
     return value
 
 
 class ValidationSection(Section):
-    """[validation]: what to find out beyond the load cases.
+    """[validation]: checks beyond the load cases.
 
-    Twice as many unseen loads more make the floor under all linear bases.
+    Twice as many further unseen loads give the best error of any linear basis.
     """
 
     gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
         ("box", "preload_factors"),
-        "remove it: searches found milder loads than random ones and are gone",
+        "remove it: the search for the worst loads was removed, random loads were worse",
     )
     unseen_loads: CountOrNone = 100
     penalty_sweep: Annotated[Literal[False], BeforeValidator(_no_sweep)] = False
@@ -114,15 +114,15 @@ class ValidationSection(Section):
 
 MethodName = Annotated[str, name_in(METHODS)]
 COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
-"""Methods compared unless the study says otherwise; the others come from the literature."""
+"""Methods that are compared by default; the others are from the literature."""
 
 
 class Timed(Section):
-    """How a transient run advances."""
+    """Time step and duration of a transient run."""
 
     alternatives = (
-        (("step", "steps_per_period"), "how long the steps are"),
-        (("duration", "periods"), "how long the motion is"),
+        (("step", "steps_per_period"), "the time step"),
+        (("duration", "periods"), "the duration"),
     )
     step: Positive | None = None
     duration: Positive | None = None
@@ -131,7 +131,7 @@ class Timed(Section):
 
 
 class BoxSide(Loading):
-    """One side of the box of training loads: a load between ``min`` and ``max``."""
+    """A side of the box of training loads: a load between ``min`` and ``max``."""
 
     min: Number
     max: Number
@@ -140,9 +140,9 @@ class BoxSide(Loading):
 class TrainingSection(Timed):
     """[reduction.training]: loads whose contact forces train the bases.
 
-    Static runs take all combinations of ``levels`` values of the box (15.25); step responses, at
-    nominal preload, those of the smallest, middle and largest value of each side but the middle one
-    (15.28). Patches (15.23) and the inner product (15.22) are those of method A.
+    Static runs use all combinations of ``levels`` values of the box (15.25); step responses, at
+    nominal preload, all combinations of smallest, middle and largest values but the middle of all
+    (15.28). ``subareas`` (15.23) and ``weight`` (15.22) belong to method A.
     """
 
     box: tuple[BoxSide, ...] = ()
@@ -155,7 +155,7 @@ class TrainingSection(Timed):
 
 
 def _joint_modes(value: Any) -> Any:
-    """Let "auto" stand for no number at all."""
+    """Return "auto" as an empty tuple, and lists unchanged."""
     if value == "auto":
         return ()
     if value == []:
@@ -179,7 +179,7 @@ DEFAULT_NORMAL_MODES = 20
 class ReductionSection(Section):
     """[reduction]: the bases to build and compare.
 
-    ``"auto"`` of normal modes is kept as None, that of joint modes as an empty tuple.
+    ``normal_modes = "auto"`` is stored as None, ``joint_modes = "auto"`` as an empty tuple.
     """
 
     normal_modes: CountOrAuto = DEFAULT_NORMAL_MODES
@@ -193,7 +193,7 @@ class ReductionSection(Section):
     @model_validator(mode="before")
     @classmethod
     def _methods(cls, data: Any) -> Any:
-        """Without a training box, compare what needs none unless methods are named."""
+        """Return the table with default methods; without a training box, those that need none."""
         if not isinstance(data, Mapping) or "methods" in data:
             return data
         training = data.get("training")
@@ -203,7 +203,7 @@ class ReductionSection(Section):
 
 
 class ForceSection(Loading):
-    """A load, or a factor on one of the deck or a temperature: ``value``, or a history ``file``."""
+    """A load, or a factor on a deck load or temperature: ``value``, or a history ``file``."""
 
     one_of = ("value", "file")
     value: Number | None = None
@@ -211,13 +211,13 @@ class ForceSection(Loading):
 
 
 DEFAULT_INSTANTS = 100
-"""Time steps of a longest period unless told, and instants where a run chooses the steps."""
+"""Default time steps per longest period, and instants per period where steps are chosen."""
 
 
 class LoadCaseSection(Timed):
     """[[load_case]]: loads that act on the joint, at rest or over time.
 
-    ``step = "auto"`` is kept as the tolerance. Amplitudes of backbones are displacements [length],
+    ``step = "auto"`` is stored as tolerance. Amplitudes of backbones are displacements [length],
     or angles [rad] where ``at`` is a rotation.
     """
 
@@ -244,7 +244,7 @@ class LoadCaseSection(Timed):
     @model_validator(mode="before")
     @classmethod
     def _auto(cls, data: Any) -> Any:
-        """Let step = "auto" stand for a tolerance, at a hundred instants a period unless told."""
+        """Return the table with step = "auto" replaced by a tolerance and instants per period."""
         motion = isinstance(data, Mapping) and data.get("kind") in ("step", "history")
         if not motion or data.get("step") != "auto":
             return data
@@ -253,12 +253,12 @@ class LoadCaseSection(Timed):
 
     @property
     def transient(self) -> bool:
-        """Whether the load case is a motion in time."""
+        """Whether the load case is a response over time."""
         return self.kind in ("step", "history")
 
     @property
     def levels(self) -> tuple[float, ...]:
-        """Amplitudes of backbones, rising."""
+        """Amplitudes of a backbone in increasing order."""
         if self.amplitude_range is None:
             return tuple(sorted(self.amplitudes))
         return tuple(np.geomspace(*self.amplitude_range).tolist())
@@ -307,38 +307,38 @@ class Study(Section):
     _source: StudySource = PrivateAttr()
 
     def model_post_init(self, context: StudySource) -> None:
-        """Keep the text the study was read from."""
+        """Store the path and text of the study file."""
         self._source = context
 
     @property
     def path(self) -> Path:
-        """The study file."""
+        """Path of the study file."""
         return self._source.path
 
     @property
     def text(self) -> str:
-        """The study file's text, for the record of a run."""
+        """Text of the study file."""
         return self._source.text
 
     @property
     def unit_set(self) -> Units:
-        """Units of all numbers in it."""
+        """Units of all numbers in the study."""
         return units_of(self.units)
 
     @property
     def source(self) -> StudySource:
-        """Path, text and line numbers, to say where in the file a mistake is."""
+        """The source of the study, which finds the line of a mistake."""
         return self._source
 
     def problem(self, location: Location, text: object) -> Problem:
-        """Return what is wrong with the value of a key."""
+        """Return a problem with the value of a key."""
         return Problem(location, f": {text}")
 
     def in_table(self, location: Location, text: object) -> Problem:
-        """Return what is wrong with a table."""
+        """Return a problem with a table."""
         return Problem(location, f": {text}", of_table=True)
 
     def problems(self, table: Location, wrong: Mapping[str, str]) -> Iterator[Problem]:
-        """Yield what is wrong with keys of a table."""
+        """Yield problems with keys of a table."""
         for key, text in wrong.items():
             yield self.problem((*table, key), text)

@@ -1,4 +1,4 @@
-"""The threads of the bolts of a study, and the forces that torque or utilisation bring them to."""
+"""Threads of the bolts of a study, and preloads from torque or utilisation."""
 
 import tomllib
 from collections.abc import Sequence
@@ -23,12 +23,12 @@ from faying.study.keys.tables import Study
 
 
 def thread_of(bolt: BoltSection, units: str) -> Thread | None:
-    """Return the thread of a bolt whose size the study names; None without it.
+    """Return the thread of a bolt; None where the study gives no size.
 
     Raises
     ------
     ModelError
-        If it makes no sense, or it is not known what a length is in these units.
+        If the data of the thread are inconsistent, or the unit of length is unknown.
     """
     rubbing = {"friction": bolt.thread_friction, "head_friction": bolt.head_friction}
     limits = {"pressure_limit": bolt.head_pressure_limit, "engagement": bolt.engagement}
@@ -46,7 +46,7 @@ def thread_of(bolt: BoltSection, units: str) -> Thread | None:
     inner = bolt.hole or standard
     if outer is None or inner is None:
         return thread
-    # Without a head of its own the mean of what bears rubs.
+    # Without head data, the mean diameter of the bearing face is the friction diameter.
     rubs = thread.head_diameter or (outer + inner) / 2
     if bolt.hole and standard:
         rubs += (bolt.hole - standard) / 2
@@ -54,14 +54,14 @@ def thread_of(bolt: BoltSection, units: str) -> Thread | None:
 
 
 def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float | None:
-    """Return the force that a bolt is tightened to; None where the study does not tell.
+    """Return the preload of a bolt from preload, torque or utilisation; None without any.
 
-    The variation is Γ of its preload: a utilisation is that at the largest one, (1 + Γ) F_V.
+    ``variation`` is Γ of the preload: a utilisation refers to the largest preload, (1 + Γ) F_V.
 
     Raises
     ------
     ModelError
-        If its torque or utilisation does not tell it.
+        If the preload does not follow from torque or utilisation.
     """
     thread = thread_of(bolt, units)
     if thread is not None and bolt.torque is not None:
@@ -73,7 +73,7 @@ def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StudyBolts:
-    """The bolts of a study, how their preloads scatter, and the margins that are demanded."""
+    """The bolts of a study, their preload scatter, and required margins."""
 
     bolts: Sequence[BoltSection]
     scatter: ScatterSection | None
@@ -82,13 +82,13 @@ class StudyBolts:
 
     @classmethod
     def of(cls, study: Study) -> Self:
-        """Take them from a study."""
+        """Return the bolts of a study."""
         scatter, margins = study.preload_scatter, study.requirement.margins
         return cls(bolts=study.bolts, scatter=scatter, margins=margins, units=study.units)
 
     @classmethod
     def stored(cls, text: str, units: str) -> Self:
-        """Take them from a study that was checked before; its files need not be here."""
+        """Return the bolts in the text of a checked study, whose files may be missing."""
         tables = tomllib.loads(text)
         scatter = tables.get("preload_scatter")
         return cls(
@@ -100,7 +100,7 @@ class StudyBolts:
 
     @property
     def strengths(self) -> BoltStrengths:
-        """What the strength of the bolts is judged by."""
+        """Data by which the strength of the bolts is judged."""
         scatter = self.scatter or ScatterSection()
         rubs = scatter.surface_friction
         return BoltStrengths(
@@ -113,26 +113,26 @@ class StudyBolts:
 
     @property
     def threads(self) -> dict[str, Thread]:
-        """The threads of the bolts whose size and grade are named, by name."""
+        """Threads of the bolts with size and grade, by bolt name."""
         graded = [bolt for bolt in self.bolts if bolt.thread or bolt.grade or bolt.strength]
         threads = {bolt.name: thread_of(bolt, self.units) for bolt in graded}
         return {name: thread for name, thread in threads.items() if thread is not None}
 
     @property
     def forces(self) -> dict[str, float]:
-        """The forces that bolts are tightened to, of those that are."""
+        """Preloads [force] of the tightened bolts, by name."""
         forces = {b.name: final_force(b, self.units, self._variation(b)) for b in self.bolts}
         return {name: force for name, force in forces.items() if force is not None}
 
     @property
     def forced(self) -> set[str]:
-        """The bolts whose final or initial force the study tells."""
+        """Names of the bolts whose final or initial force the study gives."""
         locked = {bolt.name for bolt in self.bolts if bolt.initial_force is not None}
         return {*self.forces, *locked}
 
     @property
     def ranges(self) -> dict[str, PreloadRange]:
-        """How each preload scatters, and what it loses by the standard that is named."""
+        """Scatter and losses of each preload by the standard of the study, by bolt name."""
         margins, losses = self.margins, PreloadRange()
         if margins is not None:
             losses = PreloadRange(
@@ -155,14 +155,14 @@ class StudyBolts:
         return ranges
 
     def _variation(self, bolt: BoltSection) -> float:
-        """Return Γ of the preload of a bolt, its own or that of all."""
+        """Return Γ of the preload of a bolt, or of all bolts if it has none."""
         if bolt.gamma is not None:
             return bolt.gamma
         shared = self.scatter.tightening_factor if self.scatter else 1.0
         return variation_of(bolt.tightening_factor or shared)
 
     def _of_friction(self, bolt: BoltSection) -> tuple[float, float]:
-        """Return the preload of a torque where friction is largest and least, over that meant."""
+        """Return the preload of a torque at largest and least friction, over the nominal one."""
         thread, scatter = thread_of(bolt, self.units), self.scatter
         if scatter is None or scatter.thread_friction is None or scatter.head_friction is None:
             return 1.0, 1.0

@@ -1,4 +1,4 @@
-"""[[interface.topography]] and [[interface.crown]]: what the form of surfaces adds to the gap."""
+"""[[interface.topography]] and [[interface.crown]]: initial gaps from the form of surfaces."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ class TopographySection(Section):
 
     @property
     def placement(self) -> ScanPlacement:
-        """All that the table says but the file."""
+        """Placement of the scan: all keys of the table but the file."""
         return ScanPlacement(**self.model_dump(exclude={"file"}))
 
 

@@ -1,1 +1,1 @@
-"""What a run leaves, as plain values, and the file that keeps them."""
+"""Results of a run as plain values, and the files that store them."""

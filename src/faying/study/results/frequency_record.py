@@ -1,4 +1,4 @@
-"""What a run keeps of a joint under harmonic loads."""
+"""Stored results of a joint under harmonic loads."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -16,16 +16,16 @@ from faying.assessment.transient_check import TransientCheck
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LevelPeak:
-    """Where the curve of a level is highest.
+    """The highest point of the curve of a level.
 
     Attributes
     ----------
     curve
     peak
     index
-        Of its point on the curve.
+        Index of the point on the curve.
     expected
-        By the backbone; None where it tells nothing.
+        Peak expected from the backbone; None where unknown.
     """
 
     curve: ResponseCurve
@@ -34,31 +34,31 @@ class LevelPeak:
     expected: Peak | None
 
     def there(self, name: str) -> float | None:
-        """Return what contact does there, by its name; None where contact is not looked at."""
+        """Return a contact quantity at the peak by name; None where contact was not evaluated."""
         contact = self.curve.contact
         return None if contact is None else float(getattr(contact, name)[self.index])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FrequencyRecord:
-    """Responses to one harmonic load of a study.
+    """Responses to a harmonic load of a study.
 
     Attributes
     ----------
     at
         Component of a boundary that tables and figures show.
     response
-        By harmonics, one curve for each level.
+        Response by harmonic balance, one curve for each level.
     expected
-        From the backbone alone; None where nothing rubs, or no mode lies between the frequencies.
+        Response from the backbone alone; None without friction, or without a mode in the range.
     backbone
-        Of the mode that is brought to resonance.
+        Backbone of the mode in resonance.
     checks : (n_check,)
-        Transients beside peaks, where they were asked for.
+        Transients at peaks as a check, where requested.
     measured
-        Curves of a test by name.
+        Measured curves by name.
     seconds : [s]
-        Wall time of all of it, in whichever run.
+        Wall time of all computations.
     """
 
     at: str
@@ -83,10 +83,10 @@ class FrequencyRecord:
                 )
 
     def compared(self) -> Iterator[tuple[str, Mapping[str, tuple[float, float]]]]:
-        """Yield curves of a test with pairs: what they have, and what the computed ones have.
+        """Yield each measured curve with pairs of measured and computed values.
 
         Frequency and amplitude of the peak, NaN of a curve that is largest at an end, and damping
-        ratio of a fitted mode, between the frequencies that both have.
+        ratio of a fitted mode, between the common range of frequencies.
         """
         computed = {curve.level: curve for curve in self.response.curves}
         for name, test in self.measured.items():
@@ -104,7 +104,7 @@ class FrequencyRecord:
                 )
 
     def missed(self, name: str) -> Iterator[str]:
-        """Yield the frequencies at which no motion was found, and why."""
+        """Yield the frequencies without a solution, with reasons."""
         for curve in self.response.curves:
             for text in curve.missed:
                 yield f"{name}, level {curve.level:g}, frequency {text}"

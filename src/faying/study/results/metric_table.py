@@ -1,4 +1,4 @@
-"""Tables that other programs read: metrics of load cases, and responses over frequency."""
+"""Tables for other programs: metrics of load cases, and responses over frequency."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain
@@ -19,7 +19,7 @@ from faying.units import Units
 TableFormat = Literal["csv", "parquet"]
 
 DIGITS = "%.16g"
-"""Fifteen digits are certain, and the sixteenth keeps comparisons at 1e-15."""
+"""Sixteen digits, so that comparisons at 1e-15 are possible."""
 
 Rows = Iterable[tuple[Sequence[str], Matrix]]
 """Pieces of the table: labels of the rows, and their metrics."""
@@ -28,9 +28,9 @@ Rows = Iterable[tuple[Sequence[str], Matrix]]
 def write_metrics(
     path: Path, label: str, metrics: Sequence[Metric], rows: Rows, units: Units
 ) -> None:
-    """Write a table atomically, a piece at a time, in the format that the path ends in.
+    """Write a table atomically, a piece at a time, in the format of the path's suffix.
 
-    The label is the name of the first column.
+    ``label`` is the name of the first column.
     """
     if path.suffix == ".parquet":
         with replacing(path) as temporary:
@@ -48,13 +48,13 @@ def write_metrics(
 def check_table_format(name: TableFormat) -> None:
     """Refuse Parquet where pyarrow is not installed."""
     if name == "parquet":
-        pyarrow_for("--table parquet", "take csv")
+        pyarrow_for("--table parquet", "use csv")
 
 
 def _write_parquet(
     path: Path, label: str, metrics: Sequence[Metric], rows: Rows, units: Units
 ) -> None:
-    arrow, parquet = pyarrow_for(path.name, "take csv")
+    arrow, parquet = pyarrow_for(path.name, "use csv")
     columns = [
         arrow.field(
             metric.name,
@@ -105,8 +105,8 @@ PEAKS = (
 def write_frequency_tables(records: Mapping[str, FrequencyRecord], folder: Path) -> None:
     """Write ``frf.csv`` and ``peaks.csv`` of a run, atomically; nothing without harmonic loads.
 
-    Phases are in degrees against the load, energies those of a period; frequencies expected are
-    those of the backbone.
+    Phases are in degrees against the load, energies per period; expected frequencies are from
+    the backbone.
     """
     if not records:
         return

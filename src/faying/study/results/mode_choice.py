@@ -1,4 +1,4 @@
-"""The normal modes that a run chose for its load cases over time, and how that is told."""
+"""Sentences about the normal modes that a run chose for load cases over time."""
 
 from collections.abc import Mapping
 
@@ -10,15 +10,15 @@ from faying.units import Units
 
 
 def chosen_count(choices: Mapping[str, NormalModeChoice]) -> int:
-    """Return the number that is enough for every load case."""
+    """Return the number of normal modes that is enough for every load case."""
     return max(choice.count for choice in choices.values())
 
 
 def mode_sentences(choices: Mapping[str, NormalModeChoice], units: Units) -> list[str]:
-    """Say how many normal modes were chosen for each load case, and why."""
+    """Return a sentence about the chosen number of normal modes for each load case."""
     shared = ""
     if len(choices) > 1:
-        shared = f" Methods have {chosen_count(choices)}, the most that a load case asks for."
+        shared = f" All methods have {chosen_count(choices)}, the largest number of all load cases."
     return [_sentence(name, choice, units) + shared for name, choice in choices.items()]
 
 
@@ -28,13 +28,11 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
     errors = ", ".join(f"{_share(error)} with {count}" for count, error in pairs)
     tolerance = f"{100 * choice.tolerance:.3g}%"
     judged = f"within the tolerance of {tolerance}."
-    largest = (
-        f"{1 / OBSERVED_RATIOS[0]:g} times that, the most that the true error was seen to be, is "
-    )
+    largest = f"{1 / OBSERVED_RATIOS[0]:g} times that, the largest true error in tests, is "
     if not choice.met:
         judged = (
             f"not within the tolerance of {tolerance}: {_limit(choice)}. Method "
-            f"'{REMEDY}' gives the interface the inertia that normal modes find so slowly."
+            f"'{REMEDY}' adds inertia of the interface, for which normal modes converge slowly."
         )
     return (
         f'{case}: normal_modes = "auto" is {choice.count}; the loads excite modes up to '
@@ -44,7 +42,7 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
 
 
 def _of_tractions(choice: NormalModeChoice) -> str:
-    """Say how far tractions are off with the number chosen, if they are."""
+    """Return a sentence about the estimated error of tractions; empty if it is zero."""
     error = choice.traction_error
     if not error > 0:
         return ""
@@ -52,8 +50,8 @@ def _of_tractions(choice: NormalModeChoice) -> str:
     if error <= choice.tolerance or not choice.met:
         return f"{said}."
     return (
-        f"{said}, more than that, for the number is chosen by pressures; method '{REMEDY}' has "
-        "them nearer the truth."
+        f"{said}, above the tolerance, because pressures determine the number; method '{REMEDY}' "
+        "is more accurate."
     )
 
 
@@ -65,5 +63,5 @@ def _limit(choice: NormalModeChoice) -> str:
     if choice.highest.max(initial=0.0) > choice.resolved:
         return "more modes have periods shorter than a step"
     if choice.counts.max(initial=0) < MOST_MODES:
-        return "more modes bring too little"
-    return f"{MOST_MODES} are the most that are tried"
+        return "more modes gain too little"
+    return f"at most {MOST_MODES} are tried"

@@ -1,4 +1,4 @@
-"""How all nodes move over the states of a load case: a few shapes, and how much of each when."""
+"""Displacements of all nodes over the states of a load case, as a few shapes times amplitudes."""
 
 from dataclasses import dataclass
 
@@ -12,13 +12,13 @@ from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import some_states
 
 MOST_STATES = 41
-"""States of a load case whose displacements are kept, that of the largest pressure aside."""
+"""Number of states whose displacements are stored, beside the state of largest pressure."""
 
 MOST_SHAPES = 12
-"""Shapes at most: a page has room for as many of a surface of 60 000 nodes."""
+"""Most shapes: a page has room for as many of a surface of 60 000 nodes."""
 
 LARGEST_MISS = 2e-3
-"""Part of the largest displacement that may be missed: the largest is drawn a twentieth of the size
+"""Error over the largest displacement: the largest is drawn as a twentieth of the size
 of the model, of which this is a ten-thousandth, less than a pixel."""
 
 
@@ -29,13 +29,13 @@ class NodalMotion:
     Attributes
     ----------
     chosen : (n_state,) [1]
-        Their numbers among all instants or increments.
+        Numbers of the states among all instants or increments.
     amplitudes : (n_state, n_shape) [1]
         Factors of the shapes.
     shapes : (n_shape, n_node, 3) [length]
         Displacements of all nodes.
     missed : [1]
-        Largest component of a displacement that the shapes miss, over the largest of all.
+        Largest error of a displacement component, over the largest component.
     """
 
     chosen: Indices
@@ -45,13 +45,13 @@ class NodalMotion:
 
 
 def even_states(count: int) -> Indices:
-    """Choose states that stand for ``count`` of them, evenly."""
+    """Return evenly spaced numbers of at most :data:`MOST_STATES` among ``count`` states."""
     even = np.linspace(0, count - 1, min(MOST_STATES, count))
     return np.unique(np.rint(even).astype(np.int64))
 
 
 def shown_states(peaks: Vector) -> Indices:
-    """Choose states that stand for all: evenly, and the one of the largest pressure.
+    """Return the numbers of evenly spaced states, and of the state of largest pressure.
 
     Peaks (n,) are the largest pressures of each instant or increment.
     """
@@ -59,11 +59,11 @@ def shown_states(peaks: Vector) -> Indices:
 
 
 def nodal_motion(model: Model, solution: Solution) -> NodalMotion:
-    """Return how the nodes of the full model move in a transient or a path.
+    """Return the displacements of all nodes of the full model in a transient or a path.
 
     Notes
     -----
-    A back-substitution for each of its states where the solution is of a reduced model that keeps a
+    Each state costs a back-substitution where the solution belongs to a reduced model with a
     residual compliance.
     """
     chosen = shown_states(solution.max_pressure)
@@ -71,7 +71,7 @@ def nodal_motion(model: Model, solution: Solution) -> NodalMotion:
 
 
 def motion_in(model: Model, states: Solution, chosen: Indices) -> NodalMotion:
-    """Return how the nodes move in the states of a solution, which are the ``chosen`` of all."""
+    """Return the displacements of all nodes in some states; ``chosen`` are their numbers."""
     moved = model.dofs.translations @ full_displacement(model, states).T
     amplitudes, shapes, missed = few_shapes(moved)
     return NodalMotion(
@@ -85,11 +85,11 @@ def motion_in(model: Model, states: Solution, chosen: Indices) -> NodalMotion:
 def few_shapes(states: Matrix) -> tuple[Matrix, Matrix, float]:
     """Return amplitudes (n_state, n_shape) and shapes (n, n_shape) of states (n, n_state).
 
-    The fewest of the proper orthogonal modes that miss at most :data:`MISSED` of the largest entry,
-    up to :data:`MOST_SHAPES`; and what they miss of it.
+    The fewest proper orthogonal modes with an error of :data:`LARGEST_MISS` of the largest entry,
+    up to :data:`MOST_SHAPES`; and this error.
     """
     largest = float(np.abs(states).max(initial=0.0))
-    # Eigenvectors of the Gram matrix (15.22) are exact to half the digits, which is far enough.
+    # Eigenvectors of the Gram matrix (15.22) have half the digits, which is enough here.
     amplitudes = la.eigh(states.T @ states)[1][:, ::-1][:, :MOST_SHAPES]
     shapes = states @ amplitudes
     remainder, count, missed = states.copy(), 0, 1.0 if largest > 0 else 0.0

@@ -1,4 +1,4 @@
-"""What a run keeps of friction: states of the points, paths by increments, cycles and fretting."""
+"""Stored results of friction: states of contact points, paths, cycles and fretting."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -16,7 +16,7 @@ from faying.simulation.solution import Solution
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SlipRecord:
-    """What friction does in the increments of a path or the instants of a motion.
+    """Friction in the increments of a path or the instants of a transient.
 
     Attributes
     ----------
@@ -27,15 +27,15 @@ class SlipRecord:
     status : (n_increment, n_point) [1]
         0 open, 1 stick, 2 slip.
     open_share : (n_increment,) [1]
-        Open area over that of all interfaces with friction.
+        Open area over the area of all interfaces with friction.
     stick_share : (n_increment,) [1]
-        Sticking area over the same.
+        Sticking area over the area of all interfaces with friction.
     slip_share : (n_increment,) [1]
-        Slipping area over the same.
+        Slipping area over the area of all interfaces with friction.
     macroslip : (n_increment,) [1]
-        Whether all that is closed slips, on some interface.
+        Whether all closed points of an interface slip.
     dissipation : (n_increment,) [force·length]
-        Energy that friction took.
+        Energy dissipated by friction.
     """
 
     traction: Matrix
@@ -48,12 +48,12 @@ class SlipRecord:
     dissipation: Vector
 
     def __len__(self) -> int:
-        """Return the number of increments or instants; none where nothing slips along."""
+        """Return the number of increments or instants; zero without friction."""
         return len(self.dissipation)
 
     @property
     def most_slip(self) -> int:
-        """The increment in which most of the area slips; the last of several."""
+        """The increment with the largest slipping area; the last of several."""
         return len(self.slip_share) - 1 - int(self.slip_share[::-1].argmax())
 
     @property
@@ -72,19 +72,19 @@ NO_SLIP = SlipRecord(
     macroslip=np.empty(0, dtype=bool),
     dissipation=np.empty(0),
 )
-"""What stands where nothing slips along surfaces over time."""
+"""The record without friction over time."""
 
 
 def slip_over_time(solution: Solution) -> SlipRecord:
-    """Return what friction does at the instants of a motion."""
+    """Return the slip record of a transient."""
     rubs = solution.times is not None and solution.shear_slip.size
     return SlipRecord(**slip_fields(solution, None)) if rubs else NO_SLIP
 
 
 def slip_fields(solution: Solution, start: Solution | None) -> dict[str, Any]:
-    """Return the members of a record of a path or a motion.
+    """Return the members of a slip record of a path or a transient.
 
-    A path went on from the start; a motion has it as its first instant, where nothing slips yet.
+    A path continues from ``start``. A transient has its start, without slip, as first instant.
     """
     slip = slip_history(solution, start)
     if start is None:
@@ -111,17 +111,17 @@ class PathRecord(SlipRecord):
     Attributes
     ----------
     loads : (n_load,)
-        What the columns of ``factors`` multiply.
+        Loads that the columns of ``factors`` multiply.
     factors : (n_increment, n_load) [1]
         Load factors.
     pressure : (n_increment, n_point) [force/length²]
         Contact pressure, compression positive.
     load_work : (n_increment,) [force·length]
-        Load at factor one times the displacement it does work on.
+        Load at factor one times its displacement.
     iterations : (n_increment,) [1]
         Newton steps.
     bolt_moments : (n_increment, 2, 2) [force·length]
-        Bending moments by bolt with beams: end, and component across its axis.
+        Bending moments by bolt with beams: end, and component across the axis.
     displacements : (n_increment, n) [length]
         By boundary: translations [length] and rotations [rad].
     bolt_forces : (n_increment,) [force]
@@ -140,25 +140,25 @@ class PathRecord(SlipRecord):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CycleRecord:
-    """Cycles of a load between ± an amplitude.
+    """Cycles of a load between plus and minus an amplitude.
 
     Attributes
     ----------
     amplitude : [1]
         Load factor at the reversals.
     energies : (n_cycle,) [force·length]
-        Energy that friction took in each cycle.
+        Energy dissipated by friction in each cycle.
     stationary
-        Whether the last cycle repeats: friction took as much as before, or it ends where it began.
+        Whether the last cycle repeats: its energy is that of the cycle before, or its loop closes.
     loop_area : [force·length]
-        Area of the last loop of load factor over the displacement the load does work on.
+        Area of the last loop of load factor over displacement of the load.
     slip_range : (n_point,) [length]
-        Largest distance between two places of a point in the last cycle, moved while closed.
+        Largest distance between two slip positions of a point in the last cycle.
     fretting : (n_point,) [force/length]
         Slip range times largest traction (Ruiz, Boddington & Chen 1984).
     slip_work : (n_point,) [force/length]
-        Energy per area that friction took in the last cycle, increments that had to be halved by
-        their ends.
+        Energy per area dissipated in the last cycle; of halved increments, by their
+        ends.
     start_work : [force·length]
         ``load_work`` at the beginning of the last cycle.
     increments
@@ -183,10 +183,10 @@ def path_record(
     names: Sequence[str],
     factors: Matrix,
 ) -> PathRecord:
-    """Take from a path what a run keeps.
+    """Return the record of a path.
 
-    It went on from the start, with the load at factor one. Names and factors (n_increment, n_load)
-    are columns of load factors.
+    The path continues from ``start``; ``load`` is at factor one. Names and factors
+    (n_increment, n_load) are columns of load factors.
     """
     joint = path.system
     return PathRecord(
@@ -203,10 +203,10 @@ def path_record(
 
 
 def cycle_record(cycles: Cycles, load: Load) -> CycleRecord:
-    """Take from cycles what a run keeps of them."""
+    """Return the record of cycles."""
     path, joint = cycles.cycle, cycles.cycle.system
     traction = np.linalg.norm(path.traction, axis=-1)
-    # An open point moves freely, which wears nothing.
+    # Motion of open points causes no wear.
     change = np.diff(slip_history(path, cycles.start), axis=0)
     moves = change * (path.contact_forces > 0)[:, None]
     reach = _range(np.cumsum(np.concatenate([np.zeros_like(moves[:1]), moves]), axis=0))
@@ -224,7 +224,7 @@ def cycle_record(cycles: Cycles, load: Load) -> CycleRecord:
 
 
 def _range(slip: Matrix) -> Vector:
-    """Return the largest distance between two places (n_increment, 2, n_point) of each point."""
+    """Return the largest distance (n_point,) between two slips (n_increment, 2, n_point)."""
     largest: Vector = np.zeros(slip.shape[-1])
     for position in slip:
         apart = np.hypot(*np.moveaxis(slip - position, 1, 0))

@@ -1,4 +1,4 @@
-"""What a run keeps of a solution."""
+"""Stored responses of solutions."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ from faying.study.results.path_record import CycleRecord, PathRecord, slip_over_
 from faying.study.results.values import Response
 
 Seen = dict[str, dict[str, Matrix]]
-"""What is seen of displacements, by member of a response and name of a boundary or bolt."""
+"""Quantities from displacements, by member of a response and name of a boundary or bolt."""
 
 
 def respond(
@@ -32,10 +32,10 @@ def respond(
     moves: bool = False,
     seen: Seen | None = None,
 ) -> Response:
-    """Take from a solution what a run keeps, with what led to it or was found from it.
+    """Return the response of a solution, with its path, cycles, backbones and certificate.
 
-    Of a solution without states ``seen`` is the result of :func:`seen_of`. The displacements of all
-    nodes are kept of a transient that moves, for pictures.
+    For a solution without states ``seen`` is the result of :func:`seen_of`. Displacements of all
+    nodes are stored for pictures of a transient if ``moves``.
     """
     static = solution.times is None
     seen = seen_of(solution, model) if seen is None else seen
@@ -67,7 +67,7 @@ def respond(
 
 
 def seen_of(solution: Solution, model: Model) -> Seen:
-    """Return what a run keeps of displacements: by member of a response, then by name."""
+    """Return the stored quantities from displacements: by member of a response, then by name."""
     return {
         "displacements": {name: solution.displacement(name) for name in model.boundaries},
         "bolt_forces": {name: np.asarray(solution.bolt_force(name)) for name in model.bolts},

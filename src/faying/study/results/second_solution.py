@@ -1,22 +1,22 @@
-"""What a transient was solved by beside what was asked for, and how that is told."""
+"""Transients that were solved again by a better reduced model, and sentences about them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 SHAPES, PROJECTION = "attachment modes", "project compliance+inertia"
-"""Stages of a run that make the shapes of the interface and reduce the model to them."""
+"""Stages of a run that compute shapes of the interface and project the model on them."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Tried:
-    """A reduced model that a transient was solved by.
+    """A reduced model with which a transient was solved.
 
     Attributes
     ----------
     method
-        A method of the study, or the reduced model that methods are compared with.
+        Method of the study, or the reduced model that is the reference.
     estimate : [1]
-        Its largest pressure error over the peak, estimated; None where that failed.
+        Estimated largest pressure error over the peak; None where the estimate failed.
     seconds : [s]
         Wall time of the transient.
     """
@@ -28,16 +28,16 @@ class Tried:
 
 @dataclass(frozen=True, kw_only=True)
 class Remedy:
-    """A transient that was solved again because the first solution is estimated to be off.
+    """A transient that was solved again because of a large estimated error.
 
     Attributes
     ----------
     first
-        What was asked for.
+        First model.
     taken
-        What was taken then.
+        Second model.
     tolerance : [1]
-        Largest estimated error that is left as it is.
+        Estimated error above which a transient is solved again.
     """
 
     first: Tried
@@ -46,20 +46,20 @@ class Remedy:
 
     @property
     def helped(self) -> bool:
-        """Whether what was taken is estimated to be nearer the truth."""
+        """Whether the second model has a smaller estimated error."""
         first, second = self.first.estimate, self.taken.estimate
         return second is not None and first is not None and second < first
 
 
 def shapes_seconds(stages: Mapping[str, float]) -> float:
-    """Return the wall time of the reduced model with inertia, from that of the stages of a run."""
+    """Return the wall time [s] of building the reduced model with inertia."""
     return sum(stages.get(name, 0.0) for name in (SHAPES, PROJECTION))
 
 
 def remedy_sentence(case: str, remedy: Remedy, shapes: float = 0.0) -> str:
-    """Say of a load case what was first computed, what was taken then, and what that cost.
+    """Return a sentence about both models of a load case, their errors and their wall times.
 
-    All load cases of a run share the seconds of shapes, of :func:`shapes_seconds`.
+    All load cases of a run share ``shapes``, the seconds of :func:`shapes_seconds`.
     """
     first, second = remedy.first, remedy.taken
     judged = "could not be estimated"
@@ -73,5 +73,5 @@ def remedy_sentence(case: str, remedy: Remedy, shapes: float = 0.0) -> str:
         f"{case}: the pressure error of {first.method} is estimated at {first.estimate:.2%} of the "
         f"peak, more than {mark}; the case was solved again by {second.method}, "
         f"whose error {judged}. That took {second.seconds:.2g} s after {first.seconds:.2g} s{once}"
-        "; [reduction] inertia = false leaves it out."
+        "; [reduction] inertia = false omits this."
     )

@@ -1,4 +1,4 @@
-"""What recovery from a history and solving many load cases leave: fields, and their extremes."""
+"""Fields from recovery and from many solved load cases, with envelopes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,15 +27,15 @@ class RecoveredRecord:
     history
         Name of the file the pressures were recovered from.
     route
-        What they were recovered from: modal coordinates or boundary loads.
+        Source of the pressures: modal coordinates or boundary loads.
     method
-        Reduced model whose coordinates these are, or that was simulated.
+        Reduced model of the coordinates, or of the simulation.
     joint_modes : [1]
-        Its joint modes.
+        Number of joint modes of the reduced model.
     derivatives
-        Where velocities and accelerations come from.
+        Source of velocities and accelerations.
     loads : (n_load,)
-        Boundary forces and load patterns that the history has; all others are zero.
+        Boundary forces and load patterns in the history; all others are zero.
     times : (n_time,) [time]
         Instants.
     pressure : (n_time, n_point) [force/length²]
@@ -51,11 +51,11 @@ class RecoveredRecord:
     max_pressure : (n_time,) [force/length²]
         Largest over all contact points.
     iterations : (n_time,) [1]
-        Linear systems of the contact problem.
+        Number of linear systems of the contact problem.
     traction : (n_time, n_point, 3) [force/length²]
-        With friction, on the plus side.
+        Tangential traction on the plus side, with friction.
     slip : (n_time, n_point, 3) [length]
-        With friction, of the plus side over the minus side.
+        Slip of the plus side over the minus side, with friction.
     """
 
     title: str
@@ -79,7 +79,7 @@ class RecoveredRecord:
 
     @property
     def tractions(self) -> dict[str, Matrix]:
-        """Sizes of tractions (n_time, n_point) [force/length²] by name, where there are any."""
+        """Magnitudes of tractions (n_time, n_point) [force/length²]; empty without friction."""
         vectors = {"traction": self.traction}
         return {
             name: np.linalg.norm(value, axis=-1)
@@ -91,7 +91,7 @@ class RecoveredRecord:
 SOLVED = Format(
     name="solved load cases",
     version=1,
-    wanted="the fields.h5 that faying solve wrote",
+    wanted="the fields.h5 of faying solve",
     remedy="solve the cases again",
     description=(
         "Contact pressures of chosen load cases or instants of a reduced model, and envelopes over "
@@ -102,14 +102,14 @@ SOLVED = Format(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SolvedFields:
-    """Fields of chosen cases of a set of static cases, or of chosen instants of a transient.
+    """Fields of chosen static cases, or of chosen instants of a transient.
 
     Attributes
     ----------
     names : (n_chosen,)
-        Names of the cases; of an instant its time.
+        Names of the cases, or times of the instants.
     reasons : (n_chosen,)
-        Why each was chosen.
+        Reasons of the choice.
     pressure : (n_chosen, n_point) [force/length²]
         Contact pressure.
     gap : (n_chosen, n_point) [length]

@@ -1,6 +1,6 @@
 """Results in one self-describing HDF5 file, readable without faying.
 
-The file mirrors :class:`faying.study.results.values.Results` in the manner of
+The file has the members of :class:`faying.study.results.values.Results` in the format of
 :mod:`faying.files.described`; ``python docs/stored_groups.py`` prints its groups.
 """
 
@@ -74,7 +74,7 @@ def write_results(value: Results | RecoveredRecord, path: Path) -> None:
 
 
 def read_results(path: Path) -> Results:
-    """Read what :func:`write_results` wrote.
+    """Read the results of a run from a file of :func:`write_results`.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def read_results(path: Path) -> Results:
 
 
 def _reduced(file: h5py.File, results: Results) -> dict[str, dict[int, ReducedModel]]:
-    """Return the reduced models of a run; none where it kept no compliance between its ports."""
+    """Return the reduced models of a run; empty where the port compliance was not stored."""
     if "ports" not in file or "reduced" not in file:
         return {}
     forces = {name: bolt.initial_force for name, bolt in results.bolts.items()}
@@ -116,25 +116,25 @@ def _reduced(file: h5py.File, results: Results) -> dict[str, dict[int, ReducedMo
 
 
 MEANINGS: dict[type, Table] = tables_within(Results, RecoveredRecord, without=(ReducedModel,))
-"""Of every value that has a group of its own; reduced models have tables of their own."""
+"""Meanings of the members of every stored dataclass, except for reduced models."""
 
 Axes = dict[str, int]
-"""Names of axes to their lengths, as far as they are known."""
+"""Known lengths of axes by name."""
 
 _OPTIONAL = re.compile(r"\[n_time,?\]")
 _AXIS = re.compile(r"(?:(\d+) \+ )?(?:(\d+) )?([a-z]\w*)(?: \+ (\d+))?|(\d+)")
 
 OWN = ("n_point", "n_pair", "n_face")
-"""Axes that an interface counts for itself."""
+"""Axes whose lengths each interface has for itself."""
 
 
 def check_results(results: Results) -> None:
-    """Refuse results whose parts contradict each other.
+    """Refuse results that are inconsistent.
 
     Raises
     ------
     ValueError
-        Naming the entry as it is called in the file.
+        With the path of the entry in the file.
     """
     _check_names(results)
     axes: Axes = {
@@ -147,7 +147,7 @@ def check_results(results: Results) -> None:
 
 
 def _check(value: Any, axis_lengths: Mapping[str, int], entry: str, *, timed: bool) -> None:
-    """Check the fields of a record, which share the axes they name."""
+    """Check the fields of a record, which share axes of the same name."""
     axes = dict(axis_lengths)
     if isinstance(value, InterfaceRecord):
         axes = {name: length for name, length in axes.items() if name not in OWN}
@@ -169,7 +169,7 @@ def _check(value: Any, axis_lengths: Mapping[str, int], entry: str, *, timed: bo
 
 
 def _check_field(value: Any, meaning: Meaning, axes: Axes, entry: str, *, timed: bool) -> None:
-    """Check what stands in a field; what it is named after knows its axes no more than others."""
+    """Check the value of a field; members of a mapping do not share new axes."""
     if value is None:
         return
     if is_dataclass(value):
@@ -207,7 +207,7 @@ def _check_shape(
 
 
 def _fits(length: int, name: str, axes: Axes) -> bool:
-    """Compare an axis with what its name means; the first of a name says how long it is."""
+    """Return whether an axis has the length of its name, which the first such axis defines."""
     match = _AXIS.fullmatch(name)
     if match is None or match[5]:
         return name == str(length)
@@ -217,7 +217,7 @@ def _fits(length: int, name: str, axes: Axes) -> bool:
 
 
 def _check_record(value: Any, axes: Axes, entry: str) -> None:
-    """Check what is between the fields of a record."""
+    """Check relations between the fields of a record."""
     if isinstance(value, CellBlock):
         _check_known(value.kind, SOLIDS, f"{entry}/kind")
         _check_width(value.nodes, len(SOLIDS[value.kind].reference_nodes), f"{entry}/nodes")
@@ -238,7 +238,7 @@ def _check_interface(record: InterfaceRecord, n_node: int, entry: str) -> None:
     pairs = record.pairs[:, 0] * n_node + record.pairs[:, 1]
     for faces in record.faces:
         if not np.isin(faces.minus * n_node + faces.plus, pairs).all():
-            refuse_value(f"'{entry}/faces' names nodes that are no pair of the interface")
+            refuse_value(f"'{entry}/faces' has nodes that are not a pair of the interface")
 
 
 def _check_width(nodes: np.ndarray[Any, Any], width: int, entry: str) -> None:
@@ -252,13 +252,13 @@ def _check_known(name: str, names: Collection[str], entry: str) -> None:
 
 
 def _check_names(results: Results) -> None:
-    """Check that responses are of the bolts, interfaces and boundaries there are."""
+    """Check that responses have the bolts, interfaces and boundaries of the results."""
     for name, case in results.cases.items():
         responses = {"reference": case.reference, "half_step": case.half_step}
         for method, sizes in case.methods.items():
             responses |= {f"methods/{method}/{n}": result.response for n, result in sizes.items()}
         if case.half_step is not None and (case.times is None) != (case.half_step_times is None):
-            refuse_value(f"'/cases/{name}/half_step' has no instants of its own")
+            refuse_value(f"'/cases/{name}/half_step' has no instants")
         for what, response in responses.items():
             if response is not None:
                 _check_response(results, case, response, f"/cases/{name}/{what}")
@@ -276,11 +276,11 @@ def _check_response(results: Results, case: CaseResult, response: Response, entr
 
 def _check_same(names: Collection[str], expected: Collection[str], entry: str) -> None:
     if set(names) != set(expected):
-        refuse_value(f"'{entry}' is of {', '.join(names)}, expected {', '.join(expected)}")
+        refuse_value(f"'{entry}' has {', '.join(names)}, expected {', '.join(expected)}")
 
 
 def _n_points(interfaces: Mapping[str, InterfaceRecord]) -> int:
-    """Contact points of all interfaces, which share them out one after the other."""
+    """Return the number of contact points; refuse interfaces whose slices do not adjoin."""
     end = 0
     for name, record in interfaces.items():
         if record.slice != (end, end + len(record.weights)):

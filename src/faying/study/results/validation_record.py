@@ -1,4 +1,4 @@
-"""What a run found beyond its load cases, as plain values."""
+"""Results of the validation of a run as plain values."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,7 +8,7 @@ from faying.assessment.choose_joint_modes import JointModeChoice
 
 @dataclass(frozen=True, kw_only=True)
 class LoadSpaceResult:
-    """Errors of one reduced model over random loads of the training box.
+    """Errors of a reduced model over random loads of the training box.
 
     Attributes
     ----------
@@ -24,14 +24,14 @@ class LoadSpaceResult:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadSpaceRecord:
-    """Methods at loads they have not seen.
+    """Errors of methods at loads beside the training loads.
 
     Attributes
     ----------
     n_loads : [1]
-        Random loads from the training box.
+        Number of random loads from the training box.
     methods
-        Method name to joint mode count to errors.
+        Errors by method and number of joint modes.
     """
 
     n_loads: int
@@ -40,14 +40,14 @@ class LoadSpaceRecord:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ValidationRecord:
-    """What a run found beyond its load cases.
+    """Results of the validation of a run.
 
     Attributes
     ----------
     load_space
-        Methods at random loads of the training box; None without one.
+        Errors at random loads of the training box; None without a box.
     choices
-        Basis name to the number of joint modes chosen automatically.
+        Automatically chosen numbers of joint modes by basis.
     """
 
     load_space: LoadSpaceRecord | None = None

@@ -1,4 +1,4 @@
-"""What a run leaves behind, as plain values; ``store`` beside it keeps them in HDF5."""
+"""Results of a run as plain values; the module ``store`` writes them to HDF5."""
 
 import tomllib
 from collections.abc import Mapping
@@ -26,12 +26,12 @@ from faying.study.results.validation_record import ValidationRecord
 from faying.units import Units, units_of
 
 FULL_MODEL = "full model"
-"""What people call the reference that is no reduced model."""
+"""Name of the full model as a reference."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Response:
-    """One load case solved by one model.
+    """Solution of a load case by a model.
 
     Attributes
     ----------
@@ -46,49 +46,49 @@ class Response:
     contact_forces : ([n_time]) [force]
         Total normal force by interface.
     open_fraction : ([n_time]) [1]
-        Area without pressure by interface.
+        Area without pressure over the whole area, by interface.
     iterations : ([n_time]) [1]
-        Linear systems of the contact problem.
+        Number of linear systems of the contact problem.
     seconds : [s]
-        Wall time of the solution, offline work excluded; its share where others were beside it.
+        Wall time of the solution without offline work; its share where solved with others.
     nodal_displacement : (n_node, 3) [length]
-        Displacement of the nodes, of static cases.
+        Displacements of the nodes in static cases.
     motion
-        Displacements in some instants or increments, of the reference.
+        Displacements of the reference in some instants or increments.
     friction
-        What friction does at each instant, of transients with friction.
+        Friction at each instant of transients.
     recovered_pressure : (n_time, n_point) [force/length²]
-        Pressure recovered from the motion, of transients of reduced models.
+        Pressure recovered from the motion in transients of reduced models.
     energy_gain : [1]
-        Of transients: share of the energy in motion that the time integration gained from
-        nothing.
+        Energy that the time integration added to a transient without physical cause, over the
+        energy in motion.
     substeps : (n_time,) [1]
-        Time steps that led to each instant, where the run chose them.
+        Number of time steps before each instant, where the run chose them.
     step_error : (n_time,) [1]
-        Largest change of a pressure when they are halved, over the largest so far; NaN of methods,
-        which take the steps of the reference.
+        Largest change of a pressure with half the steps, over the largest so far; NaN for methods,
+        which use the steps of the reference.
     estimate
-        Errors estimated without a full solution, of transients of reduced models.
+        Errors of transients of reduced models, estimated without a full solution.
     increment_error : [1]
-        Of paths of reduced models: largest certified energy error of an increment of the full
-        model with these friction bounds, from this slip.
+        Largest certified energy error of an increment in paths of reduced models, against the full
+        model with the same friction bounds and previous slip.
     law_residual : [1]
-        Of the same: largest natural residual of Coulomb's law at the full model, over the largest
-        force. It bounds nothing.
+        Largest natural residual of Coulomb's law with the full model on such paths, over largest
+        force. It is not an error bound.
     path
-        The increments of a case that is a path, or a static load with friction; the other fields
-        are those of the last one.
+        Increments of a path, or of a static load with friction; the other fields
+        belong to the last increment.
     cycles
-        Amplitude as text to cycles of that amplitude; the other fields are those of the largest
+        Cycles by amplitude as text; the other fields belong to the largest
         amplitude at its positive reversal.
     backbones
-        Number of a mode as text to its backbone; the other fields are those of the preloaded
+        Backbones by mode number as text; the other fields belong to the preloaded
         joint.
     bolt_moments : ([n_time,] 2, 2) [force·length]
-        Bending moments of bolts whose bending is seen: the two ends of their beams, two components
+        Bending moments of bolts with known bending: the two ends of their beams, two components
         across the axis.
     weak_shares : ([n_time]) [1]
-        What weak springs carry over the total contact force, by the bodies between which they are.
+        Force in weak springs over the total contact force, by the bodies that they connect.
     """
 
     pressure: Matrix
@@ -118,7 +118,7 @@ class Response:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MethodResult:
-    """One load case solved by one reduced model, and how good it is.
+    """Solution of a load case by a reduced model, with its errors.
 
     Attributes
     ----------
@@ -131,15 +131,15 @@ class MethodResult:
     accuracy
         Errors against the reference.
     recovered_error : [1]
-        Largest relative error of the recovered pressures, of transients.
+        Largest relative error of the recovered pressures of transients.
     certified_energy_error : [1]
-        Bound of the error in the energy norm that needs no full solution, of static cases.
+        Certified bound of the error in the energy norm, for static cases.
     certified_force_error : [1]
-        Such a bound of the error of the total contact force.
+        Certified bound of the error of the total contact force.
     certified_bound : [1]
-        Such a bound of ``max_relative_error``.
+        Certified bound of ``max_relative_error``.
     dissipation_error : [1]
-        Difference of the energies that friction took, over that of the full model.
+        Relative error of the energy dissipated by friction.
     """
 
     joint_modes: int
@@ -155,7 +155,7 @@ class MethodResult:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CaseResult:
-    """One load case solved by the reference, usually the full model, and by every method.
+    """Solutions of a load case by the reference, usually the full model, and by every method.
 
     Attributes
     ----------
@@ -166,28 +166,28 @@ class CaseResult:
     times : (n_time,) [time]
         Instants; absent for static cases.
     components
-        Boundary name to the names of its displacement components (ux … rz).
+        Names of the displacement components (ux … rz) by boundary.
     reference
         Solution that the methods are compared with.
     methods
-        Method name to joint mode count to result.
+        Results by method and number of joint modes.
     half_step
-        The reference with half the time step: the time-step check of transients.
+        Response of the reference with half the time step, for transients.
     half_step_times : (n_half_time,) [time]
         Instants of half_step.
     reserve
-        Load factors at which the joint slips, of static loads and cycles with friction.
+        Load factors of slip, for static loads and cycles with friction.
     reference_model
-        Model that the reference is of.
+        Name of the model of the reference.
     mesh_errors
-        Interface name to what the mesh does to the pressures of the reference, estimated.
+        Estimated mesh errors of the pressures of the reference, by interface.
     jumps
-        Of the loads of transients, the largest one of each that jumps.
+        Largest jump of each load of transients that jumps.
     remedy
-        Of transients: what was solved again with inertia at the interface, unasked.
+        Second solution of a transient with inertia at the interface, if its error was large.
     tolerance : [1]
-        Of transients: largest estimated pressure error of a method, and of time steps that the run
-        chose, that is left as it is.
+        Estimated pressure error of a transient, by method or chosen time steps, above which the
+        run improves it.
     """
 
     name: str
@@ -207,13 +207,13 @@ class CaseResult:
 
     @property
     def is_full(self) -> bool:
-        """Whether the reference is the full model's."""
+        """Whether the reference is the full model."""
         return self.reference_model == FULL_MODEL
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InterfaceRecord(ContactSurface):
-    """Geometry and law of one interface, and the joint as preloaded.
+    """Geometry, law and preload pressure of an interface.
 
     Attributes
     ----------
@@ -225,25 +225,25 @@ class InterfaceRecord(ContactSurface):
 
 
 def interface_record(surface: ContactSurface, preload_pressure: Vector) -> InterfaceRecord:
-    """Return what results keep of an interface: its surface, and its pressure at rest."""
+    """Return the record of an interface from its surface and its pressure at rest."""
     members = {entry.name: getattr(surface, entry.name) for entry in fields(ContactSurface)}
     return InterfaceRecord(**members, preload_pressure=preload_pressure)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltRecord:
-    """One bolt as tightened.
+    """A bolt and its tightening.
 
     Attributes
     ----------
     preload : [force]
-        Nominal final force; of a bolt locked at an initial force, the force it is left with.
+        Nominal final force; for a bolt locked at an initial force, the resulting force.
     initial_force : [force]
-        Initial force N₀ the bolt is locked at.
+        Initial force N₀ at which the bolt is locked.
     history : (n_stage,) [force]
-        Axial force while all bolts were tightened one after the other.
+        Axial force during the tightening of all bolts in turn.
     axis : (2, 3) [length]
-        Ends of the element that is tightened, for pictures.
+        Ends of the tightened element, for pictures.
     """
 
     preload: float
@@ -254,7 +254,7 @@ class BoltRecord:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Results:
-    """Everything a run computed.
+    """All results of a run.
 
     Attributes
     ----------
@@ -267,11 +267,11 @@ class Results:
     nodes : (n_node, 3) [length]
         Coordinates in the basic frame.
     node_ids : (n_node,) [1]
-        Node ids as the user knows them.
+        Node ids of the deck or mesh.
     body : (n_node,) [1]
-        Number of the body a node belongs to; -1 where none.
+        Number of the body of each node; -1 without a body.
     blocks
-        Solid elements, one group per block of one kind.
+        Solid elements, one group per block of a kind.
     mass : [mass]
         Total mass.
     dofs : [1]
@@ -281,42 +281,42 @@ class Results:
     bolts
         Bolts by name.
     tightening_stages : (n_stage,)
-        What was done at each entry of the bolts' histories.
+        Step of the tightening at each entry of the bolts' histories.
     cases
         Load cases by name.
     timings : [s]
-        Wall time by stage; together that of the run before its files.
+        Wall time by stage; the sum is the time of the run before its files.
     provenance
-        What computed this: faying version, Python, NumPy, SciPy, platform, date.
+        Origin of the results: versions of faying, Python, NumPy, SciPy; platform, date.
     warnings : (n_warning,)
-        What did not converge or deserves notice.
+        Solutions that did not converge, and other warnings.
     omissions : (n_omission,)
-        Validation and other things that failed, with the reasons.
+        Parts of the run that failed, such as validation, with the reasons.
     validation
-        Load space and penalty.
+        Errors over the load space, and chosen numbers of joint modes.
     reduced
-        Method name to number of joint modes to reduced model; those without basis are not there,
-        ``craig-bampton`` and ``compliance`` always. None are read back from the file where the
-        interface was too large to keep its compliance.
+        Reduced models by method and number of joint modes; methods without basis have none,
+        ``craig-bampton`` and ``compliance`` always have one. None are read from a file where the
+        interface was too large to store its compliance.
     normal_modes
-        Count of the fixed-interface normal modes; None where there are none, or no gap to count
-        in.
+        Count of the fixed-interface normal modes; None without modes, or without a frequency gap to
+        count in.
     factor_bytes : [1]
-        Memory of the factors of the full model, boundary held.
+        Memory of the factors of the full model with held boundaries.
     reference
-        What the study's load cases were compared with: ``full``, ``worst`` or ``none``.
+        Reference of the load cases: ``full``, ``worst`` or ``none``.
     reference_reason
-        Why, where the study leaves it open.
+        Reason of the reference, where the run chose it.
     assessment
-        The joint judged over the load cases; None where that failed.
+        Assessment of the joint over all load cases; None where it failed.
     mode_choices
-        Load case name to the normal modes that were chosen for it.
+        Chosen normal modes by load case.
     doubts : (n_doubt,)
-        What cannot be right in the units of the study.
+        Implausible data in the units of the study.
     notes : (n_note,)
-        What is so of the model and may be meant, as motions as a whole that no support holds.
+        Notes on the model, such as rigid-body motions without support.
     measurements
-        Curves of a test beside backbones.
+        Measured curves beside backbones.
     frequencies
         Harmonic loads by name.
     """
@@ -358,7 +358,7 @@ class Results:
 
     @property
     def study_tables(self) -> Mapping[str, Any]:
-        """Tables of the study file as TOML gives them; none of a text that is none."""
+        """Parsed TOML tables of the study file; empty if the text is not TOML."""
         try:
             return tomllib.loads(self.study_text)
         except tomllib.TOMLDecodeError:
@@ -366,5 +366,5 @@ class Results:
 
     @property
     def unit_set(self) -> Units:
-        """Units of all numbers here."""
+        """Units of all results."""
         return units_of(self.units)

@@ -1,4 +1,4 @@
-"""The books of a run: its times and progress, what failed, and what is finished."""
+"""The books of a run: wall times, progress, failures, and finished values."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -15,7 +15,7 @@ from faying.execution.checkpoint import Bundles
 from faying.files.flattening import flattened, restored
 
 FAILED, SECONDS = "failed", "wall_seconds"
-"""Names of the sentences about what failed, and of the wall time, beside the arrays of a value."""
+"""Names under which failures and wall time are stored beside the arrays of a value."""
 
 T = TypeVar("T")
 
@@ -24,34 +24,34 @@ class ProgressBar(Protocol):
     """The part of ``rich.progress.Progress`` that a run uses."""
 
     def add_task(self, description: str, *, total: float | None = None) -> Any:
-        """Start a bar."""
+        """Start a bar, and return its number."""
 
     def advance(self, task: Any, advance: float = 1) -> None:
-        """Move a bar on."""
+        """Advance a bar."""
 
     def remove_task(self, task: Any) -> None:
-        """Take a finished bar away."""
+        """Remove a finished bar."""
 
 
 class Books:
-    """What a run notes while it computes.
+    """Wall times, progress, failures and finished values of a run.
 
-    Named stages show a bar while they last and leave their wall time; a stage within another one
-    counts for itself alone, so the times add up. What a run can do without is attempted, and a
-    failure is a warning. What is finished is kept.
+    A named stage shows a bar, and its wall time is recorded. The time of a stage within another
+    counts once, so that the times add up. Optional work is attempted, and its failure is a
+    warning. Finished values are stored.
 
     Parameters
     ----------
     since
-        Instant of ``time.perf_counter`` at which the program started; what passed since then is
-        the stage ``start``. Without it the run is counted from now.
+        Instant of ``time.perf_counter`` at which the program started; the time since then is
+        the stage ``start``. By default the run starts now.
     checkpoint
-        Where finished pieces are kept; in memory unless given.
+        Store of finished values; memory unless given.
 
     Attributes
     ----------
     failed
-        What could not be done and why, one sentence each, in the order of the run.
+        Sentences about optional work that failed, in the order of the run.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class Books:
 
     @contextmanager
     def stage(self, name: str, total: float | None = None) -> Iterator[Callable[[int], None]]:
-        """Time a stage; yields a function to call as it advances. Repeated stages add up."""
+        """Time a stage, and yield a function to report its progress. Repeated stages add up."""
         task = self._bar.add_task(name, total=total) if self._bar else None
 
         def advance(amount: int = 1) -> None:
@@ -86,7 +86,7 @@ class Books:
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
-        """Time a stage that is too short, or too scattered, to be shown while it lasts."""
+        """Time a stage without a progress bar."""
         start = clock()
         self._within.append(0.0)
         try:
@@ -99,18 +99,18 @@ class Books:
                 self._within[-1] += elapsed
 
     def account(self) -> dict[str, float]:
-        """Return the seconds of the stages so far, and as ``other`` those outside all of them.
+        """Return the seconds of the stages so far, and as ``other`` the time outside all stages.
 
-        Together they are the wall time since the start, between stages.
+        The sum is the wall time since the start.
         """
         whole = clock() - self._since
         return {**self.seconds, "other": whole - sum(self.seconds.values())}
 
     def attempt(self, name: str) -> "ExitStack[bool]":
-        """Return a context that tries what a run can do without; what it raises is noted by name.
+        """Return a context for optional work, in which an error becomes a warning under a name.
 
-        That it meets what nobody foresaw must not cost what was computed before it, so errors of
-        every kind stop here. Interrupts do not.
+        An unforeseen error must not lose what was computed before, so errors of
+        every kind are caught. Interrupts are not.
         """
         tried: ExitStack[bool] = ExitStack()
         tried.push(partial(self._noted, name))
@@ -123,7 +123,7 @@ class Books:
         error: BaseException | None,
         _trace: TracebackType | None,
     ) -> bool:
-        """Note an error; say whether it ends here."""
+        """Record an error; return whether it is suppressed."""
         if not isinstance(error, Exception):
             return False
         known = isinstance(error, FayingError)
@@ -133,14 +133,14 @@ class Books:
         return True
 
     def value(self, kind: type[T], key: str, compute: Callable[[], T]) -> T:
-        """Return a value as it is kept under a key, or compute and keep it.
+        """Return the value stored under a key, or compute and store it.
 
-        With what failed meanwhile, for a run that takes it over does not try again.
+        Failures are stored with it, because a resumed run does not try again.
         """
         return self.timed_value(kind, key, compute)[0]
 
     def timed_value(self, kind: type[T], key: str, compute: Callable[[], T]) -> tuple[T, float]:
-        """Return a value in the same way, and the seconds it took in whichever run."""
+        """Return the value stored under a key, or computed, and the seconds of its computation."""
         n_failed, computing = len(self.failed), 0.0
 
         def arrays() -> dict[str, Matrix]:
@@ -154,7 +154,7 @@ class Books:
         start = clock()
         bundle = self.checkpoint.bundle(key, arrays)
         value = restored(kind, bundle)
-        # What it takes to compute the value belongs to the stage that asks for it.
+        # The time of computing the value belongs to the calling stage.
         keeping = clock() - start - computing
         self.seconds["checkpoint"] = self.seconds.get("checkpoint", 0.0) + keeping
         if self._within:

@@ -1,4 +1,4 @@
-"""One load case of a study, solved by one model, and what is known of its pressures then."""
+"""Solution of a load case of a study by one model, with estimated errors."""
 
 import time
 from collections.abc import Callable
@@ -28,10 +28,10 @@ def solve_case(
     initial: Solution | None = None,
     like: Response | None = None,
 ) -> tuple[Solution, float]:
-    """Solve a load case with one model; return how many seconds that took as well.
+    """Solve a load case with one model; return the solution and the seconds it took.
 
-    Transients start from ``initial``, where it is given: what has slipped before. Where steps are
-    chosen, they are those of ``like``, so that errors against it are not of the steps.
+    Transients start from ``initial``, where given, with its slip. Where steps are
+    chosen, they are the steps of ``like``, so that errors against it do not come from steps.
     """
     start, load = time.perf_counter(), case_load(case)
     if case.kind == "static":
@@ -59,8 +59,8 @@ def judged(
 ) -> Response:
     """Return the response of a reduced transient with errors estimated without the full model.
 
-    The name is that of load case and model. Pressures may be recovered from the motion too; what
-    fails is left out.
+    ``name`` names load case and model. Pressures are also recovered from the motion if
+    ``recovered``. Parts that fail are left out.
     """
     books, estimate = joint.books, None
     if recovered:
@@ -83,10 +83,10 @@ def remedy_of(
     first: tuple[str, Response], second: tuple[str, Response], tolerance: float
 ) -> Remedy:
     """Return the record of a transient that was solved by one model and then by another."""
-    return Remedy(first=_tried(*first), taken=_tried(*second), tolerance=tolerance)
+    return Remedy(first=_record_of(*first), taken=_record_of(*second), tolerance=tolerance)
 
 
-def _tried(method: str, response: Response) -> Tried:
+def _record_of(method: str, response: Response) -> Tried:
     estimate = response.estimate
     return Tried(
         method=method,

@@ -1,4 +1,4 @@
-"""Load cases of a run: solved by the full model and by every reduced one, and compared."""
+"""Load cases of a run, solved by the full model and every reduced model, and compared."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -49,11 +49,11 @@ from faying.study.stages.reference import REDUCED, Reference, Solved
 
 @dataclass(eq=False, kw_only=True)
 class CaseRunner:
-    """What all load cases of a run share.
+    """Solver of the load cases of a run.
 
-    The classic basis is that of the study's methods. What was ``built`` is the reduced model with
-    inertia at the interface, where a transient asked for it that the study does not name;
-    ``docs/theory/transient_accuracy.md`` says when.
+    ``classic`` is the classic basis of the study's methods. ``built`` is the reduced model with
+    inertia at the interface, where a transient needs it and the study does not name it;
+    ``docs/theory/transient_accuracy.md`` describes when.
     """
 
     joint: PreparedJoint
@@ -65,20 +65,20 @@ class CaseRunner:
 
     @property
     def books(self) -> Books:
-        """Of the run."""
+        """Books of the run."""
         return self.joint.books
 
     def solve(
         self, case: LoadCaseSection, *, confirmed: bool = False
     ) -> tuple[CaseResult, list[str]]:
-        """Solve one load case with every model; also say what did not converge.
+        """Solve a load case with every model; return the result and messages of failures.
 
-        A static case to be confirmed is compared with the full model, whatever the reference is.
+        A ``confirmed`` static case is compared with the full model, whatever the reference is.
 
         Raises
         ------
         ConvergenceError
-            If the reference finds no solution: there is then nothing to compare with.
+            If the reference does not converge, so that there is nothing to compare with.
         """
         model = self.joint.model
         full = confirmed or self.reference.kind == "full" or goes_in_increments(case, model)
@@ -96,7 +96,7 @@ class CaseRunner:
                     methods[method][count] = compared
         if remedy is None and REMEDY not in self.models:
             with self.books.attempt(f"{case.name}, {REMEDY}"):
-                remedy = self._remedied(case, methods, reference, failures)
+                remedy = self._solve_with_inertia(case, methods, reference, failures)
         half_step = None
         with self.books.attempt(f"{case.name}, half the time step"):
             half_step = _sound(self._half_step(case, solved))
@@ -130,7 +130,7 @@ class CaseRunner:
         reference: Response,
         failures: list[str],
     ) -> MethodResult | None:
-        """Solve with a reduced model and compare; None, and a failure noted, where that fails."""
+        """Solve with a reduced model and compare; None, and a message in failures, if it fails."""
         label = f"{case.name}, {method} with {count} joint modes"
         try:
             response = self._response(case, rom, f"{method}/{count}", reference)
@@ -143,7 +143,7 @@ class CaseRunner:
             errors = accuracy(self._components, response, reference)
         if errors is None:
             return None
-        certificate = self._certified(case, response)
+        certificate = self._certificate(case, response)
         return MethodResult(
             joint_modes=count,
             n_modes=int(rom.K.shape[0]),
@@ -156,14 +156,14 @@ class CaseRunner:
             certified_bound=_bound(certificate, "max_relative_error"),
         )
 
-    def _remedied(
+    def _solve_with_inertia(
         self,
         case: LoadCaseSection,
         methods: dict[str, dict[int, MethodResult]],
         reference: Response,
         failures: list[str],
     ) -> Remedy | None:
-        """Compare with inertia at the interface too, where the estimate asks for it."""
+        """Solve again with inertia at the interface where the estimated error is large."""
         first = methods.get(EXACT, {}).get(0)
         if first is None or not self._is_off(first.response, self._tolerance(case)):
             return None
@@ -176,11 +176,11 @@ class CaseRunner:
 
     @property
     def _with_inertia(self) -> System:
-        """The reduced model with inertia at the interface, once for all load cases.
+        """The reduced model with inertia at the interface, built once for all load cases.
 
         Notes
         -----
-        One back-substitution for each contact pair and more, as
+        It needs about one back-substitution per contact pair, as
         :func:`~faying.reduction.attachment.attachment_modes`.
         """
         if REMEDY in self.models:
@@ -193,7 +193,7 @@ class CaseRunner:
         return self.built
 
     def _is_off(self, response: Response, tolerance: float) -> bool:
-        """Say whether the estimated error of a transient is too large to be left as it is."""
+        """Return whether the estimated error of a transient is above the tolerance."""
         allowed, estimate = self.joint.study.reduction.inertia, response.estimate
         return allowed and estimate is not None and estimate.max_relative_error > tolerance
 
@@ -204,7 +204,7 @@ class CaseRunner:
         return tuple(load_jumps(case, step=time_step(case, period), period=period))
 
     def _tolerance(self, case: LoadCaseSection) -> float:
-        """Return the largest estimated pressure error of a transient that is left as it is."""
+        """Return the tolerance for the estimated pressure error of a transient."""
         default = self.joint.study.reduction.transient_tolerance
         return default if case.tolerance is None else case.tolerance
 
@@ -219,14 +219,14 @@ class CaseRunner:
         return round(time_span(case, self.joint.period) / step)
 
     def _mesh_errors(self, case: LoadCaseSection, response: Response) -> Mapping[str, MeshError]:
-        """Estimate what the mesh does to the pressures of a response."""
+        """Return the estimated mesh errors of the pressures of a response."""
         with self.books.timed("mesh error"), self.books.attempt(f"{case.name}, mesh error"):
             return mesh_errors(self._smoothings, self.joint.model, response.pressure)
         return {}
 
     @cached_property
     def _components(self) -> dict[str, tuple[str, ...]]:
-        """The components in which boundaries move, by boundary."""
+        """Names of the displacement components of each boundary."""
         return {
             name: tuple(DISPLACEMENT_NAMES[c] for c in boundary.components)
             for name, boundary in self.joint.model.boundaries.items()
@@ -243,37 +243,37 @@ class CaseRunner:
         return None
 
     @cached_property
-    def _led(self) -> dict[str, Sequence[PathStep]]:
-        """Where this run followed the full model in load cases that have a slip reserve."""
+    def _path_steps(self) -> dict[str, Sequence[PathStep]]:
+        """Increments of the full model by load case, where a slip reserve continues from them."""
         return {}
 
     @cached_property
-    def _known_rest(self) -> dict[str, Solution]:
-        """Preloaded states of the models, by what these are called; filled as they are needed."""
+    def _rest_states(self) -> dict[str, Solution]:
+        """Preloaded states by model label, filled on demand."""
         return {"full": self.joint.rest}
 
     def _rest(self, system: System, label: str) -> Solution:
-        """Return the preloaded state of one model."""
-        if label not in self._known_rest:
-            self._known_rest[label] = rest_state(system, self.joint.preload_path, self.joint.rest)
-        return self._known_rest[label]
+        """Return the preloaded state of a model."""
+        if label not in self._rest_states:
+            self._rest_states[label] = rest_state(system, self.joint.preload_path, self.joint.rest)
+        return self._rest_states[label]
 
     def _reserve(self, case: LoadCaseSection) -> SlipReserve | None:
-        """Return the slip reserve of a load that may be multiplied, where there is friction."""
+        """Return the slip reserve of a static load or cycle with friction; None for others."""
         if not has_reserve(case, self.joint.model):
             return None
         demanded = requirements_of(self.joint.study.requirement)
         open_below = None if demanded.min_opening_factor is None else demanded.open_share
 
         def compute() -> SlipReserve:
-            along = self._led.get(case.name, ())
+            along = self._path_steps.get(case.name, ())
             with self.books.stage("slip reserve"):
                 return reserve_of(self.joint.model, case, self.joint.rest, open_below, along)
 
         return self.books.value(SlipReserve, f"{case.name} slip reserve", compute)
 
-    def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
-        """Bound the errors of a static case without friction from the compliance alone."""
+    def _certificate(self, case: LoadCaseSection, response: Response) -> Certificate | None:
+        """Return certified error bounds of a static case without friction; None for others."""
         if case.kind != "static" or response.path is not None:
             return None
         with self.books.timed("certificates"), self.books.attempt(f"{case.name}, bounds"):
@@ -283,7 +283,7 @@ class CaseRunner:
         return None
 
     def _reference(self, case: LoadCaseSection, *, full: bool) -> Solved:
-        """Solve with the reference; a full transient with those that are stepped beside it."""
+        """Solve a load case with the reference model."""
         if full and case.transient:
             return Solved(self._full_transient(response_key(case)), self.joint.model, FULL_MODEL)
         if full:
@@ -307,7 +307,7 @@ class CaseRunner:
         return first
 
     def _half_step(self, case: LoadCaseSection, reference: Solved) -> Response | None:
-        """Repeat a transient of the reference with half the time step, where the study does."""
+        """Repeat a transient of the reference with half the time step, if the study asks for it."""
         if self.reference.kind != "full":
             if (
                 not (case.transient and self.joint.study.validation.half_step)
@@ -319,7 +319,7 @@ class CaseRunner:
         return self._full_transient(key) if any(key in group for group in self.groups) else None
 
     def _full_transient(self, key: str) -> Response:
-        """Solve a transient with the full model, and those that are stepped beside it."""
+        """Return a transient of the full model, solved together with its group."""
         group = next(group for group in self.groups if key in group)
         runs = list(group.values())
         first, more = runs[0], f" and {len(runs) - 1} more" if len(runs) > 1 else ""
@@ -343,7 +343,7 @@ class CaseRunner:
         *,
         refinement: int = 1,
     ) -> Response:
-        """Solve a load case with one model, or take what an interrupted run left."""
+        """Return the response of a model to a load case, solved or read from the checkpoint."""
         model = self.joint.model
         total = self._steps(case, refinement) if case.transient else advances(case, model)
         key = response_key(case, label, refinement)
@@ -360,7 +360,7 @@ class CaseRunner:
                         books=self.books,
                         key=key,
                         progress=advance,
-                        led=partial(self._led.__setitem__, case.name) if reserved else len,
+                        led=partial(self._path_steps.__setitem__, case.name) if reserved else len,
                     )
                     response = path_response(run, like)
                 else:
@@ -379,13 +379,13 @@ class CaseRunner:
 
 
 def _gained(what: str, response: Response) -> list[str]:
-    """Say of a transient that its energy grew from nothing, if it did."""
+    """Return a message if the time integration of a transient added energy."""
     gain = response.energy_gain
     return [f"{what}: {gain_message(gain)}"] if gain > MOST_GAIN else []
 
 
 def _sound(response: Response | None) -> Response | None:
-    """Refuse a transient whose energy grew from nothing."""
+    """Return a response; raise if its time integration added energy."""
     if response is not None and response.energy_gain > MOST_GAIN:
         raise ConvergenceError(gain_message(response.energy_gain))
     return response

@@ -1,4 +1,4 @@
-"""Harmonic loads of a study: the curve from the backbone, then harmonics, level by level."""
+"""Harmonic loads of a study: the response from the backbone, and by harmonic balance."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -33,21 +33,21 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, kw_only=True)
 class ResonantMode:
-    """The backbone of the mode that is brought to resonance; None where there is none."""
+    """The backbone of the mode in resonance; None without one."""
 
     backbone: Backbone | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FrequencyRunner:
-    """One harmonic load of a run.
+    """Solver of a harmonic load of a run.
 
     Attributes
     ----------
     joint
-        Whose full model is solved.
+        Prepared joint, whose full model is solved.
     rom
-        Reduced model that transients are checked with; None where none could be made.
+        Reduced model for transients as a check; None where it could not be built.
     """
 
     swept: FrequencySection
@@ -55,7 +55,7 @@ class FrequencyRunner:
     rom: ReducedModel | None
 
     def solve(self) -> FrequencyRecord:
-        """Return the responses; what did not converge is in their remarks."""
+        """Return the responses; remarks name the frequencies that did not converge."""
         with naming(f"frequency '{self.swept.name}'"):
             seconds, backbone, expected = 0.0, None, None
             with self.joint.books.attempt(f"{self.swept.name}, curve from the backbone"):
@@ -99,7 +99,7 @@ class FrequencyRunner:
         )
 
     def _piece(self, kind: type[T], name: str, compute: Callable[[], T]) -> tuple[T, float]:
-        """Return a piece that is kept, or computed and kept, and the seconds that took."""
+        """Return a piece, stored or computed, and the seconds of its computation."""
         return self.joint.books.timed_value(kind, f"frequency {self.swept.name}, {name}", compute)
 
     @property
@@ -127,7 +127,7 @@ class FrequencyRunner:
             )
 
     def _backbone(self) -> ResonantMode:
-        """Return the backbone of the mode that is brought to resonance; nothing without one."""
+        """Return the backbone of the mode in resonance; an empty record without one."""
         with self.joint.books.stage(f"{self.swept.name}: backbone") as advance:
             resonant = resonance(
                 self.joint.model,
@@ -146,7 +146,7 @@ class FrequencyRunner:
                 try:
                     cycle, _ = self._piece(ModalCycle, name, compute)
                 except ConvergenceError:
-                    # The curve then ends below the peak, which its remarks say.
+                    # The curve then ends below the peak, as its remarks state.
                     if not cycles:
                         raise
                     break
@@ -157,9 +157,9 @@ class FrequencyRunner:
             return ResonantMode(backbone=resonant.analysis.backbone(cycles))
 
     def _transient(self, curve: ResponseCurve) -> TransientCheck:
-        """Return a transient at the peak of a curve."""
+        """Return the check of the peak of a curve by a transient."""
         if self.rom is None:
-            message = "there is no reduced model to integrate"
+            message = "no reduced model could be built to integrate"
             raise ConvergenceError(message)
         peak = curve.peak(self._at)
         name = f"{self.swept.name}: transient, level {curve.level:g}, periods"
@@ -188,7 +188,7 @@ class FrequencyRunner:
 def frequency_records(
     joint: PreparedJoint, rom: ReducedModel | None
 ) -> Mapping[str, FrequencyRecord]:
-    """Compute all harmonic loads of a study, by name."""
+    """Return the results of all harmonic loads of a study, by name."""
     return {
         swept.name: FrequencyRunner(swept=swept, joint=joint, rom=rom).solve()
         for swept in joint.study.frequencies

@@ -1,4 +1,4 @@
-"""Load cases over time that the full model solves, those that fit together side by side."""
+"""Transients of the full model, solved side by side in groups."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -27,12 +27,12 @@ from faying.study.results.values import Response
 from faying.study.stages.offline import PreparedJoint
 
 INSTANTS_AT_ONCE = AT_ONCE
-"""Instants computed at a time: as many as the energy guard looks at together."""
+"""Instants computed at a time: as many as the energy check uses together."""
 
 
 @dataclass(frozen=True)
 class FullTransient:
-    """A load case over time that the full model solves, its time step divided by ``refinement``."""
+    """A transient of the full model, its time step divided by ``refinement``."""
 
     case: LoadCaseSection
     refinement: int = 1
@@ -41,16 +41,16 @@ class FullTransient:
 def case_groups(
     cases: Sequence[LoadCaseSection], *, half_step: bool
 ) -> list[dict[str, FullTransient]]:
-    """Return which transients the full model computes together, by the keys they are kept under.
+    """Return the groups of transients that the full model computes together, by checkpoint key.
 
-    Their steps, their lengths and their integrators are the same. With half the step last, where a
-    study asks for it.
+    A group has equal time step, duration and integrator. Transients with half the step are last,
+    if a study asks for them.
     """
     alike: dict[object, dict[str, FullTransient]] = {}
     for refinement in (1, 2) if half_step else (1,):
         for case in cases:
             if case.transient and not (case.tolerance and refinement > 1):
-                # Steps that are chosen are so for each case alone.
+                # Chosen steps differ from case to case.
                 alone = case.name if case.tolerance else ""
                 kind = (refinement, instants(case), integrator_of(case), alone)
                 run = FullTransient(case=case, refinement=refinement)
@@ -64,16 +64,16 @@ def full_transients(
     runs: Sequence[FullTransient],
     progress: Callable[[int], object] | None = None,
 ) -> list[Response]:
-    """Solve transients with the full model, side by side; each has its share of the time.
+    """Solve transients with the full model, side by side; each gets an equal share of the time.
 
     Raises
     ------
     NotEnoughMemoryError
-        If contact forces and gaps of all instants do not fit.
+        If contact forces and gaps of all instants do not fit in memory.
 
     Notes
     -----
-    Displacements are in memory for :data:`PIECE` instants at a time, and for those that are drawn.
+    Displacements are in memory for :data:`INSTANTS_AT_ONCE` instants, and for drawn ones.
     """
     first, start = runs[0], time.perf_counter()
     step, duration = (of(first.case, joint.period) for of in (time_step, time_span))
@@ -92,7 +92,7 @@ def full_transients(
 
 
 def _require_room(model: Model, n_run: int, n_time: int) -> None:
-    """Refuse transients whose contact forces and gaps do not fit, twice while they are joined."""
+    """Refuse transients whose contact forces and gaps do not fit in memory twice."""
     contact = model.contact
     require_room(
         8.0 * n_run * n_time * 4 * contact.components * contact.n_points,
@@ -103,7 +103,7 @@ def _require_room(model: Model, n_run: int, n_time: int) -> None:
 
 
 def steps_of(system: System, case: LoadCaseSection, step: float) -> DividedSteps | TransientSolver:
-    """Return what advances transients like that of a load case."""
+    """Return the time integration of a load case, with given or chosen steps."""
     scheme = integrator_of(case)
     if case.tolerance:
         return divided_steps(system, step=step, tolerance=case.tolerance, integrator=scheme)
@@ -118,9 +118,9 @@ def _side_by_side(
     n_time: int,
     progress: Callable[[int], object] | None,
 ) -> list[Response]:
-    """Solve some transients a piece at a time, and keep of each piece what a run keeps."""
+    """Solve transients piece by piece, and return their responses."""
     model = joint.model
-    # The rest is given: solved anew it would depend, in the last digits, on what was solved before.
+    # The initial state is given: its last digits would depend on earlier solutions.
     parts_of_runs = transient_windows(
         steps,
         [case_load(run.case) for run in runs],
@@ -143,18 +143,18 @@ def _side_by_side(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Piece:
-    """What is kept of some instants of a transient.
+    """Stored results of a piece of a transient.
 
     Attributes
     ----------
     end
-        Number of the instant after them.
+        Number of the instant after the piece.
     contact
-        Without displacements.
+        Solution without displacements.
     seen
-        Of displacements at all of them.
+        Quantities from displacements at all instants.
     numbers, moved
-        Some of them, with displacements: those that may be drawn.
+        Instants that may be drawn, and the solution with displacements at them.
     """
 
     end: int
@@ -165,7 +165,7 @@ class _Piece:
 
 
 def _piece(model: Model, solution: Solution, first: int, even: Indices) -> _Piece:
-    """Keep what a run keeps of the instants from ``first`` on."""
+    """Return the stored results of a piece that begins at the instant ``first``."""
     instants = np.arange(first, first + len(solution.states))
     peak = instants[solution.max_pressure.argmax()]
     numbers = instants[np.isin(instants, even) | (instants == peak)]
@@ -179,7 +179,7 @@ def _piece(model: Model, solution: Solution, first: int, even: Indices) -> _Piec
 
 
 def _response(model: Model, parts: Sequence[_Piece], *, moves: bool) -> Response:
-    """Return what a run keeps of a transient."""
+    """Return the response of a transient from its pieces."""
     contact, motion = joined([part.contact for part in parts]), None
     if moves:
         chosen = shown_states(contact.max_pressure)
@@ -196,10 +196,10 @@ def _response(model: Model, parts: Sequence[_Piece], *, moves: bool) -> Response
 
 
 def response_key(case: LoadCaseSection, label: str = "full", refinement: int = 1) -> str:
-    """Return the key that a response is kept under; that of the full model unless told."""
+    """Return the checkpoint key of a response, by default of the full model."""
     return f"{case.name} {label} {refinement}"
 
 
 def integrator_of(case: LoadCaseSection) -> Integrator:
-    """Return the integrator of a transient load case; the seed's implicit Euler by default."""
+    """Return the integrator of a transient load case; implicit Euler by default."""
     return named_integrator(case.integrator, case.rho_infinity)

@@ -1,4 +1,4 @@
-"""Histories that other programs made: generalized coordinates, boundary forces, or both.
+"""Histories of other programs: generalized coordinates, boundary forces, or both.
 
 A CSV file names its columns in the first line: ``time``; ``q1, q2, …`` (and ``v1, …``, ``a1, …``)
 for coordinates, velocities and accelerations in the order of the basis; ``BOUNDARY.COMPONENT``, as
@@ -30,25 +30,25 @@ from faying.study.inputs.load_table import force_columns
 from faying.study.keys.errors import nearest, quoted
 
 MODAL = {"q": "coordinates", "v": "velocities", "a": "accelerations"}
-"""First letter of a modal column to what it is; HDF5 datasets have the long name."""
+"""Quantity by the first letter of a modal column; HDF5 datasets have the long name."""
 
 MODAL_COLUMN = re.compile(r"([qva])([1-9]\d*)")
 FRAME = tuple(f"frame.{kind}{axis}" for kind in ("a", "w", "alpha") for axis in "xyz")
-"""Acceleration, angular velocity and angular acceleration of supports that move, in their axes."""
+"""Columns of acceleration, angular velocity and angular acceleration of moving supports."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ImportedHistory:
-    """What a history file holds.
+    """Contents of a history file.
 
     Attributes
     ----------
     path
         The file.
     times : (n_time,)
-        Increasing.
+        Increasing instants.
     loads
-        ``"boundary.component"`` to forces or moments, load of the deck to its factor; (n_time,).
+        Forces or moments (n_time,) by ``"boundary.component"``, and factors by deck load.
     coordinates, velocities, accelerations : (n_time, n_mode) or None
     frame
         Motion of the supports; None where they are at rest.
@@ -64,16 +64,16 @@ class ImportedHistory:
 
 
 def read_imported_history(path: Path, joint: Joint) -> ImportedHistory:
-    """Read a modal or boundary-force history; the joint says which loads there can be."""
+    """Read a modal or boundary-force history with loads of the joint."""
     if not path.is_file():
         refuse(f"history {path} does not exist; give a .csv or .h5 file")
     readers = {".csv": _read_csv, ".h5": _read_hdf5, ".hdf5": _read_hdf5}
     if path.suffix.lower() not in readers:
-        refuse(f"{path}: cannot read a history from '{path.suffix}'; give a .csv or .h5 file")
+        refuse(f"{path}: a history cannot be read from '{path.suffix}'; give a .csv or .h5 file")
     history = readers[path.suffix.lower()](path, joint)
     if history.coordinates is None and not history.loads:
         refuse(
-            f"{path} holds times only; give modal coordinates or boundary forces, as "
+            f"{path} holds only times; give modal coordinates or boundary forces, such as "
             f"{quoted(force_columns(joint)[:3]) or 'q1'}"
         )
     return history
@@ -124,7 +124,7 @@ def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> No
 
 
 def _mode_counts(path: Path, header: Iterable[str]) -> dict[str, int]:
-    """Return the letters of the modal columns and how many columns each has."""
+    """Return the number of modal columns by their letter."""
     matches = [match for match in map(MODAL_COLUMN.fullmatch, header) if match]
     numbers_of = {letter: {int(m[2]) for m in matches if m[1] == letter} for letter in MODAL}
     counts = {letter: max(numbers) for letter, numbers in numbers_of.items() if numbers}
@@ -135,7 +135,7 @@ def _mode_counts(path: Path, header: Iterable[str]) -> dict[str, int]:
         missing = sorted(set(range(1, largest + 1)) - numbers_of[letter])
         if missing:
             message = (
-                f"{path}: column '{letter}{missing[0]}' is missing, for there are modal columns "
+                f"{path}: column '{letter}{missing[0]}' is missing, but there are modal columns "
                 f"up to {largest}; give {MODAL[letter]} completely"
             )
             if letter != "q":
@@ -189,7 +189,7 @@ def _members(path: Path, file: h5py.File, joint: Joint) -> ImportedHistory:
 def _array(path: Path, data: h5py.Dataset | h5py.Group) -> Matrix:
     name = str(data.name).lstrip("/")
     if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "fiu":
-        refuse(f"{path}: '{name}' is no dataset of numbers")
+        refuse(f"{path}: '{name}' is not a dataset of numbers")
     values = np.asarray(data[()], dtype=np.float64)
     wrong = np.argwhere(~np.isfinite(values))
     if len(wrong):
@@ -204,7 +204,7 @@ def _array(path: Path, data: h5py.Dataset | h5py.Group) -> Matrix:
 def _hdf5_loads(
     path: Path, data: h5py.Dataset | h5py.Group, joint: Joint, n_time: int
 ) -> dict[str, Vector]:
-    """Boundary forces by name, from a group of datasets or from an array like a solution's."""
+    """Return boundary forces by name, from a group of datasets or an array of inputs."""
     if isinstance(data, h5py.Dataset):
         return _component_loads(path, _array(path, data), joint, n_time)
     names, loads = force_columns(joint), {}
@@ -233,8 +233,8 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
     pattern_values = inputs[:, n_boundary:first]
     if not np.allclose(pattern_values, bolts[: pattern_values.shape[1]], rtol=SOLVED, atol=0.0):
         refuse(
-            f"{path}: the bolt forces of 'inputs' are not those the bolts of this run are locked "
-            f"at ({', '.join(f'{force:g}' for force in bolts)}); run a study with that preload"
+            f"{path}: the bolt forces of 'inputs' differ from the initial forces of this run "
+            f"({', '.join(f'{force:g}' for force in bolts)}); run a study with that preload"
         )
     loads: dict[str, Vector] = {}
     for name, boundary in joint.boundaries.items():
@@ -247,10 +247,10 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
                 initial=0.0
             ):
                 refuse(
-                    f"{path}: 'inputs' do not share {FORCE_NAMES[component]} evenly over the nodes "
+                    f"{path}: 'inputs' do not spread {FORCE_NAMES[component]} evenly over nodes "
                     f"of boundary '{name}'; give its total in a group 'inputs'"
                 )
             if total.any():
                 loads[f"{name}.{FORCE_NAMES[component]}"] = total
-    factors = dict(zip(patterns, inputs[:, first:].T, strict=False))  # the array may leave them out
+    factors = dict(zip(patterns, inputs[:, first:].T, strict=False))  # the array may omit them
     return {**loads, **{name: values for name, values in factors.items() if values.any()}}

@@ -1,4 +1,4 @@
-"""The normal modes of a study: as many as it says, or chosen for its load cases over time."""
+"""The normal modes of a study, their number given or chosen for load cases over time."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,16 +18,16 @@ Modes = Callable[[int], NormalModes]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StudyModes:
-    """Normal modes, and by load case why there are so many; by none where the study says it."""
+    """Normal modes, and the choice of their number by load case; empty if the study gives it."""
 
     modes: NormalModes
     choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)
 
 
 def normal_modes_of(joint: PreparedJoint) -> StudyModes:
-    """Compute the normal modes of a study, chosen for every load case over time if it says so.
+    """Compute the normal modes of a study, their number given or chosen.
 
-    What was chosen is kept for a run that takes over, so that it tries none of them again.
+    Chosen numbers are stored, so that a resumed run does not choose again.
     """
     structure, study, books = joint.model.structure, joint.study, joint.books
     modes = cache(partial(fixed_interface_normal_modes, structure))
@@ -41,7 +41,7 @@ def normal_modes_of(joint: PreparedJoint) -> StudyModes:
                     choices[case.name] = books.value(NormalModeChoice, key, choose)
         count = chosen_count(choices)
     with books.stage("normal_modes"):
-        # Statics need no mass, and a structure without mass has no vibration modes.
+        # Static cases need no mass, and a structure without mass has no vibration modes.
         return StudyModes(modes=modes(count if structure.has_mass else 0), choices=choices)
 
 

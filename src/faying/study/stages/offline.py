@@ -48,26 +48,26 @@ Models = Mapping[str, Mapping[int, System]]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PreparedJoint:
-    """A study's joint, tightened and with its sticking area.
+    """The tightened joint of a study with its sticking area.
 
     Attributes
     ----------
     study
-        What it is of.
+        Study of the joint.
     books
-        Of the run.
+        Books of the run.
     loaded
-        What the study says about the model.
+        Loaded model description.
     model
-        With locked bolts.
+        Model with locked bolts.
     tightening
-        How the bolts were tightened, before anything stuck.
+        Tightening of the bolts, before the sticking area was tied.
     preload
-        The static state at that moment (Fig. 15.3).
+        Static state after this tightening (Fig. 15.3).
     rest
-        That of the model with locked bolts, where transients start.
+        Static state of the model with locked bolts, where transients start.
     preload_path
-        Loads by which the bolts were tightened with friction; none where it was without.
+        Loads that tightened the bolts with friction; empty if without friction.
     """
 
     study: Study
@@ -89,7 +89,7 @@ class PreparedJoint:
 
     @cached_property
     def certifier(self) -> Certifier:
-        """What bounds the errors of its static load cases, factorized once for all of them."""
+        """Certifier of static load cases, factorized once for all of them."""
         return certifier(self.model)
 
 
@@ -109,23 +109,23 @@ def assembled(study: Study) -> tuple[LoadedModel, Model]:
 def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
 
-    Bolts and states are taken from the checkpoint of the run's books where they are there.
+    Bolt forces and states are read from the checkpoint of the run's books if present.
 
     Raises
     ------
     ModelError
-        If a body is not held; the message names it.
+        If a body has no support; the message names it.
     """
     books = books or Books()
     checkpoint = books.checkpoint
     with books.stage("assembly"):
         loaded, model = assembled(study)
         check_loads(study, model)
-        _ = model.K  # formed here, lest another stage be said to take as long
+        _ = model.K  # formed here so that its time counts in this stage
         check_same_joint(checkpoint, model)
     _condense(model, books, "compliance")
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
-    # What sticks is decided by the preload that was meant, and lost after that.
+    # The nominal preload determines what sticks, losses come after.
     lost = (losses(study), {}) if study.sticking is None else ({}, losses(study))
     first = "rest" if study.sticking is None else "preload"
     with books.stage("preload"):
@@ -165,18 +165,18 @@ def _tightened(
     keep: Callable[[Callable[[], Solution]], Solution],
 ) -> Tightening:
     tight = tightened_joint(joint_while_tightened(study, model), forces, losses=lost)
-    # Kept before the path that led there, which need not be followed a second time.
+    # Stored before the path, which need not be followed a second time.
     keep(lambda: last_of(tight.rest(model)))
     return tight.tightening
 
 
 def joint_while_tightened(study: Study, joint: Joint) -> Joint:
-    """Return a joint as it is while its bolts are tightened."""
+    """Return the joint during tightening, with or without friction."""
     return joint if study.friction_during_preload else smooth_joint(joint)
 
 
 def _condense(model: Model, books: Books, key: str) -> None:
-    """Factorize and form the interface compliance; the structure keeps both."""
+    """Factorize the structure and form its interface compliance, which it stores."""
     with books.stage("factorization"):
         _ = model.structure.boundary_factor
     with books.stage("compliance"):
@@ -186,16 +186,16 @@ def _condense(model: Model, books: Books, key: str) -> None:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TrainedBases:
-    """What the study's methods are made of.
+    """The bases of the methods of a study.
 
     Attributes
     ----------
     bases
-        :data:`CLASSIC`, and by the name of their joint modes those that a method needs.
+        The basis :data:`CLASSIC`, and the bases of methods by the name of their joint modes.
     contact_forces : (n_point, n_snapshot) [force]
-        Of the training runs; no snapshot where no method is trained.
+        Contact forces of the training runs; no snapshot if no method is trained.
     mode_count
-        Proof that no normal mode is missing from them.
+        Count that proves that no normal mode is missing.
     """
 
     bases: Mapping[str, Basis]
@@ -208,12 +208,12 @@ class TrainedBases:
 
 
 def build_bases(joint: PreparedJoint, modes: NormalModes) -> TrainedBases:
-    """Build the bases that the study's methods need, and train where one must be.
+    """Build the bases of the methods of a study, with training where a method needs it.
 
     Raises
     ------
     ConvergenceError
-        If a normal mode was missed.
+        If a normal mode is missing.
     """
     reduction, model, books = joint.study.reduction, joint.model, joint.books
     count = max(reduction.joint_modes, default=MOST_AUTOMATIC)
@@ -239,17 +239,17 @@ def build_bases(joint: PreparedJoint, modes: NormalModes) -> TrainedBases:
 
 
 MOST_AUTOMATIC = 60
-"""Joint modes from which an automatic number is chosen."""
+"""Largest automatic number of joint modes."""
 
 AUTOMATIC_LOADS = 30
-"""Random loads of the training box that an automatic number is certified at."""
+"""Random loads of the training box at which an automatic number is certified."""
 
 DEFAULT_SUBAREAS = 200
-"""Test loads of method A: fine enough for the 40 modes of the default study by far."""
+"""Test loads of method A: far more than the 40 modes of the default study need."""
 
 
 def _training_forces(joint: PreparedJoint, classic: Basis) -> Matrix:
-    """Contact forces of the training runs of method B, Eq. (15.30)."""
+    """Return the contact forces of the training runs of method B, Eq. (15.30)."""
     training, model, books = joint.study.reduction.training, joint.model, joint.books
     with books.stage("static training"):
         box = training_box(training)
@@ -264,7 +264,7 @@ def _training_forces(joint: PreparedJoint, classic: Basis) -> Matrix:
 
 
 def step_training(joint: PreparedJoint, classic: Basis | None) -> StepTraining:
-    """Return the training steps of a study; a basis is needed where a reduced model trains."""
+    """Return the training steps of a study; a reduced training model needs a basis."""
     training, model = joint.study.reduction.training, joint.model
 
     def solver() -> TransientSolver:
@@ -277,7 +277,7 @@ def step_training(joint: PreparedJoint, classic: Basis | None) -> StepTraining:
 
 
 def choose_counts(joint: PreparedJoint, trained: TrainedBases) -> dict[str, JointModeChoice]:
-    """Choose the number of joint modes of each basis where the study leaves it to faying."""
+    """Return the chosen number of joint modes of each basis; empty if the study gives them."""
     reduction, model = joint.study.reduction, joint.model
     if reduction.joint_modes:
         return {}
@@ -293,7 +293,7 @@ def choose_counts(joint: PreparedJoint, trained: TrainedBases) -> dict[str, Join
 def reduced_models(
     joint: PreparedJoint, trained: TrainedBases, choices: Mapping[str, JointModeChoice]
 ) -> dict[str, dict[int, System]]:
-    """Reduce the model by every method the study names, at every number of joint modes."""
+    """Return the reduced models of all methods of a study at all numbers of joint modes."""
     models: dict[str, dict[int, System]] = {}
     for name in joint.study.reduction.methods:
         with joint.books.stage(f"project {name}"):
@@ -323,15 +323,15 @@ def check_same_joint(checkpoint: Bundles, model: Model) -> None:
     mark = np.array(joint_mark(model))
     if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
         refuse_study(
-            "what an interrupted run left belongs to another joint: a deck, mesh or matrix of the "
+            "the interrupted run was of another joint: a deck, mesh or matrix of the "
             "study has changed since; run without --resume to start afresh"
         )
 
 
 def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None:
-    """Let a structure take what is between its pairs from a run before, or keep it for one.
+    """Give a structure its stored compliance or stiffness between pairs, or compute and store it.
 
-    Nothing is kept of more pairs than matrices have room for.
+    Nothing is stored where the pairs are too many for a matrix.
     """
     if not structure.is_kept_whole:
         return
@@ -348,7 +348,7 @@ def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None
 def kept_state(
     checkpoint: Bundles, key: str, system: System, compute: Callable[[], Solution]
 ) -> Solution:
-    """Return a static state of a joint as it is kept under a key, or compute and keep it."""
+    """Return a static state of a joint, stored under a key or computed."""
 
     def arrays() -> dict[str, Matrix]:
         state = compute()

@@ -1,6 +1,6 @@
-"""Load cases that go in increments: static loads of joints with friction, paths, cycles, backbones.
+"""Load cases in increments: static loads of joints with friction, paths, cycles, backbones.
 
-What is computed of them is kept as it comes, for a run that resumes.
+Finished increments and amplitudes are stored, for a run that resumes.
 """
 
 import time
@@ -48,18 +48,18 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class IncrementalCase:
-    """A load case that a system answers in increments, from its preloaded state.
+    """A load case that is solved in increments from the preloaded state of a system.
 
     Attributes
     ----------
     model
         The full model.
     books, key
-        Where finished amplitudes and increments are kept, and the key of the whole response.
+        Store of finished amplitudes and increments, and key of the whole response.
     progress
-        Called with how many increments or amplitudes there are more, computed or taken over.
+        Called with the number of further increments or amplitudes, computed or read.
     led
-        Called with where the increments of a path led.
+        Called with the states after the increments of a path.
     """
 
     case: LoadCaseSection
@@ -77,14 +77,14 @@ class IncrementalCase:
 
 
 def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
-    """Say whether a load case is a path."""
+    """Return whether a load case is solved in increments."""
     return case.kind in ("path", "cycle", "backbone") or (
         case.kind == "static" and not model.contact.forgets
     )
 
 
 def advances(case: LoadCaseSection, model: Model) -> int:
-    """Return how many increments a load case has, or amplitudes of cycles and backbones."""
+    """Return the number of increments of a load case, or of amplitudes of cycles and backbones."""
     if not goes_in_increments(case, model):
         return 1
     if case.kind == "backbone":
@@ -99,8 +99,8 @@ def rest_state(
 ) -> Solution:
     """Return the preloaded state of a full or reduced model.
 
-    Tightening is the path that tightened the bolts with friction; without one they were tightened
-    without. Reduced models of the static compliance of the full model begin in its state.
+    ``tightening`` is the path that tightened the bolts with friction; empty if they were tightened
+    without. Reduced models with the static compliance of the full model start in its state.
     """
     if tightening and full is not None and system.contact.residual_compliance is not None:
         state = last_of(solve_path(system, tightening[-1:], full, name="preload"))
@@ -111,7 +111,7 @@ def rest_state(
 
 
 def path_response(run: IncrementalCase, like: Response | None = None) -> Response:
-    """Solve a load case in increments; as many cycles as the response ``like`` has."""
+    """Solve a load case in increments, with as many cycles as the response ``like``."""
     case, model, preloaded = run.case, run.model, run.preloaded
     if case.kind == "backbone":
         return _backbone_response(run)
@@ -135,7 +135,7 @@ def path_response(run: IncrementalCase, like: Response | None = None) -> Respons
 def _cycle_response(run: IncrementalCase, like: Response | None) -> Response:
     """Solve the cycles of all amplitudes, each from the preloaded joint.
 
-    The largest comes last and ends with what the response shows; the others are kept before it.
+    The largest amplitude is last, and its end is the state of the response.
     """
     case, load, seconds = run.case, case_load(run.case), 0.0
     records: dict[str, CycleRecord] = {}
@@ -169,11 +169,11 @@ def _cycle_response(run: IncrementalCase, like: Response | None) -> Response:
 
 
 MOST_CERTIFIED = 1000
-"""Contact points with three components up to which a run factorizes H for every path: seconds."""
+"""Most contact points with three components for which H is factorized on every path: seconds."""
 
 
 def _certificate(model: Model, path: Solution, preloaded: Solution) -> IncrementCertificate | None:
-    """Certify the increments of a reduced model; those of the full one are what is meant."""
+    """Return error bounds of the increments of a reduced model; None for the full model."""
     contact = model.contact
     certified = contact.proportional and contact.n_points <= MOST_CERTIFIED
     if path.system is model or contact.forgets or not certified:
@@ -182,12 +182,12 @@ def _certificate(model: Model, path: Solution, preloaded: Solution) -> Increment
 
 
 def _motion(model: Model, path: Solution) -> NodalMotion | None:
-    """Return the displacements along a path of the full model; other models are drawn by its."""
+    """Return the displacements along a path of the full model; None for other models."""
     return nodal_motion(model, path) if path.system is model else None
 
 
 def has_reserve(case: LoadCaseSection, model: Model) -> bool:
-    """Say whether a load case has a slip reserve: a load that may be multiplied, and friction."""
+    """Return whether a load case has a slip reserve: a static load or cycle, and friction."""
     return case.kind in ("static", "cycle") and bool(model.contact.rubbing_interfaces)
 
 
@@ -200,8 +200,8 @@ def reserve_of(
 ) -> SlipReserve:
     """Return the slip reserve of a load case of the full model, from its preloaded state.
 
-    An area is open below a share of what is pressed at rest; None follows no opening. The case may
-    have been followed already, along some increments.
+    An area is open below a share ``open_below`` of its area pressed at rest; None follows no
+    opening. ``along`` holds increments of the case that were solved already.
     """
     return slip_reserve(
         model,
@@ -225,7 +225,7 @@ def _factors(case: LoadCaseSection) -> tuple[tuple[str, ...], Matrix]:
 def _loads(
     case: LoadCaseSection, model: Model, names: tuple[str, ...], factors: Matrix
 ) -> list[Load]:
-    """Return the loads of every increment, and the bolts' initial forces where they change."""
+    """Return the loads of every increment, with initial bolt forces where they change."""
     values = {force.target: force.value or 0.0 for force in case.forces}
     rows: list[Mapping[str, float]] = [
         dict(zip(names, row, strict=True)) for row in factors.tolist()
@@ -246,14 +246,14 @@ def _loads(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TimedBackbone:
-    """A backbone, and the seconds that its pieces took in whichever run."""
+    """A backbone, and the seconds of its computation."""
 
     curve: Backbone
     seconds: float
 
 
 def _backbone_response(run: IncrementalCase) -> Response:
-    """Compute the backbones of a load case, of the modes that move where they are measured."""
+    """Return the backbones of a load case, for modes with motion where they are measured."""
     case, curves, seconds = run.case, {}, 0.0
     still: StillModeError | None = None
     for mode in sorted(case.modes):
@@ -276,9 +276,9 @@ def _backbone_response(run: IncrementalCase) -> Response:
 
 
 def _curve(run: IncrementalCase, mode: int) -> TimedBackbone:
-    """Compute one backbone.
+    """Compute a backbone.
 
-    Every amplitude starts from the preloaded joint: those that are taken over hand nothing on.
+    Every amplitude starts from the preloaded joint, so stored ones are not needed for others.
     """
     start, case = time.perf_counter(), run.case
     analysis = modal_analysis(
@@ -302,27 +302,27 @@ def _curve(run: IncrementalCase, mode: int) -> TimedBackbone:
 
 
 def cycle_increments(case: LoadCaseSection) -> int:
-    """Return the increments of a full cycle."""
+    """Return the number of increments of a full cycle."""
     return 4 * case.increments
 
 
 INCREMENTS_AT_ONCE = 50
-"""Increments that are kept together: to write them takes 12 ms with 600 contact points, 18 ms with
-3000, some hundredths of what it takes to compute them, or less."""
+"""Increments that are stored together: writing takes 12 ms with 600 contact points, 18 ms with
+3000, a few percent of computing them, or less."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Increments:
-    """Increments that are kept together."""
+    """Increments that are stored together."""
 
     steps: tuple[PathStep, ...]
 
 
 def follow_path(run: IncrementalCase, loads: Sequence[Load]) -> tuple[Solution, float]:
-    """Solve a sequence of loads, and say what seconds that took, in whichever run.
+    """Solve a sequence of loads; return the path, and the seconds of its computation.
 
-    The same numbers as of :func:`faying.solve_path`: an increment takes from those before it where
-    the last of them left the joint, which is kept with them.
+    The numbers are those of :func:`faying.solve_path`: an increment needs of those before it only
+    the last state, which is stored with them.
     """
     start, system, name = time.perf_counter(), run.system, run.case.name
     if system.contact.forgets:
@@ -339,7 +339,7 @@ def follow_path(run: IncrementalCase, loads: Sequence[Load]) -> tuple[Solution, 
     seconds = time.perf_counter() - start
     for first in range(len(steps), len(inputs), INCREMENTS_AT_ONCE):
         part = range(first, min(first + INCREMENTS_AT_ONCE, len(inputs)))
-        compute = partial(_followed, solver, relative, state, part)
+        compute = partial(_solve_part, solver, relative, state, part)
         followed, took = run.piece(_Increments, f"increments {first + 1} to {part.stop}", compute)
         for step in followed.steps:
             state = replace(step, previous=replace(state, previous=None))
@@ -352,9 +352,9 @@ def follow_path(run: IncrementalCase, loads: Sequence[Load]) -> tuple[Solution, 
     return path, seconds + time.perf_counter() - start
 
 
-def _followed(
+def _solve_part(
     solver: IncrementSolver, relative: Matrix, state: PathStep, part: range
 ) -> _Increments:
-    """Return what is reached after some of the loads."""
+    """Return the increments of some of the loads."""
     steps = follow(solver, relative, state, part=part)
     return _Increments(tuple(replace(step, previous=None) for step in steps))

@@ -1,4 +1,4 @@
-"""From what a run computed to the values it leaves behind: complete models, and results."""
+"""Results and complete reduced models of a run."""
 
 import platform
 from collections.abc import Mapping, Sequence
@@ -34,13 +34,13 @@ from faying.study.stages.reference import Reference
 Kept = Mapping[str, Mapping[int, ReducedModel]]
 
 ALWAYS = (False, True)
-"""Whether a residual compliance is with the classic basis, of the models kept in any case."""
+"""Residual compliance of the classic models that are always stored: without, and with."""
 
 
 def kept_models(model: Model, models: Models, classic: Basis, title: str) -> Kept:
-    """Return the reduced models of a run that have a basis, the classic ones in any case.
+    """Return the reduced models of a run that have a basis, always with the classic ones.
 
-    With all that recovery and exports need, computed once for all of them.
+    They have the matrices of recovery and exports, computed once for all.
     """
     chosen = {
         (name, count): rom
@@ -67,7 +67,7 @@ def record(
     warnings: Sequence[str],
     reference: Reference,
 ) -> Results:
-    """Collect the results of a run, all but its timings."""
+    """Return the results of a run without its timings."""
     study, model, mesh = joint.study, joint.model, joint.model.assembly.mesh
     tightened = any(joint.tightening.initial_forces.values())
     return Results(

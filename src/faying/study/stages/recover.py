@@ -1,4 +1,4 @@
-"""Recover pressures from the history of another program with what a finished run left behind."""
+"""Recovery of pressures from the history of another program with models of a finished run."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -30,28 +30,28 @@ from faying.study.stages.imported_history import ImportedHistory, read_imported_
 Derivatives = Literal["spline", "backward"]
 
 FEWEST = {"spline": 4, "backward": 2}
-"""Instants from which derivatives can be formed."""
+"""Fewest instants for derivatives."""
 
 MODAL_METHODS = ("craig-bampton", "compliance")
-"""Methods of the classic basis, the first choice for coordinates of another program."""
+"""Methods of the classic basis; the first is the default for modal histories."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RecoverOptions:
-    """How a history is to be taken; None leaves it to :func:`recover`.
+    """Options of :func:`recover`; None is the default.
 
     Attributes
     ----------
     method, joint_modes
-        Reduced model whose coordinates a modal history has (``craig-bampton``), or that is
+        Reduced model of the coordinates of a modal history (``craig-bampton``), or model that is
         simulated under boundary forces (``compliance``).
     derivatives
-        How missing velocities and accelerations are formed: ``"spline"``, or ``"backward"``
-        differences as implicit Euler has them.
+        Method for missing velocities and accelerations: ``"spline"``, or ``"backward"``
+        differences as in implicit Euler.
     step : [time]
-        Of a simulation under boundary forces; the smallest interval of the history.
+        Time step under boundary forces; by default the smallest interval of the history.
     integrator
-        Of that simulation; implicit Euler.
+        Integrator under boundary forces; by default implicit Euler.
     """
 
     method: str | None = None
@@ -64,12 +64,12 @@ class RecoverOptions:
 def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredRecord:
     """Recover pressures from a modal or boundary-force history.
 
-    Without finite elements: all matrices are those that the run kept.
+    The matrices are read from the results; no finite element model is built.
 
     Parameters
     ----------
     results
-        Of a finished run.
+        Results of a finished run.
     path
         History, see :mod:`faying.study.stages.imported_history`.
 
@@ -116,18 +116,18 @@ def results_of(folder: Path | str) -> Results:
     Raises
     ------
     StudyError
-        If the folder holds none.
+        If the folder holds no results.
     FormatError
-        If they are damaged.
+        If the results are damaged.
     """
     path = Path(folder) / "results.h5"
     if not path.is_file():
-        refuse_study(f"{folder} holds no results.h5; name the folder of a finished 'faying run'")
+        refuse_study(f"{folder} holds no results.h5; give the folder of a finished 'faying run'")
     return read_results(path)
 
 
 def peak_table(results: Results, recovered: RecoveredRecord) -> Table:
-    """Return the largest pressure, and traction, on every interface, when and where."""
+    """Return the table of largest pressures and tractions of interfaces, with time and place."""
     units = results.unit_set
 
     def largest(name: str) -> tuple[int, int]:
@@ -166,7 +166,7 @@ def peak_table(results: Results, recovered: RecoveredRecord) -> Table:
 
 
 def peak_fields(results: Results, recovered: RecoveredRecord, interface: str) -> dict[str, Matrix]:
-    """Return nodal averages at the instant of the largest pressure, for pictures."""
+    """Return nodal averages at the instant of the largest pressure, by name with unit."""
     units, record = results.unit_set, results.interfaces[interface]
     instant = int(recovered.max_pressure.argmax())
     # Averages are largest where values are, but not always at the same instant.
@@ -189,11 +189,11 @@ def reduced_model(results: Results, method: str, joint_modes: int | None = None)
     Parameters
     ----------
     joint_modes
-        Which of those of the method; it may have one only unless given.
+        Number of joint modes; may be omitted if the method has one model.
     """
     if not results.reduced:
         refuse_study(
-            f"the results of '{results.title}' hold no port compliance: they are of an older "
+            f"the results of '{results.title}' hold no port compliance: they are from an older "
             f"version of faying, or the interfaces need more than {MOST_PORTS} ports; run the "
             "study again, or recover in Python with faying.recover_from_modal"
         )
@@ -207,7 +207,7 @@ def reduced_model(results: Results, method: str, joint_modes: int | None = None)
         return next(iter(sizes.values()))
     counts = ", ".join(map(str, sizes))
     if joint_modes is None:
-        refuse_study(f"method '{method}' was run with {counts} joint modes; say with --joint-modes")
+        refuse_study(f"method '{method}' was run with {counts} joint modes; give --joint-modes")
     if joint_modes not in sizes:
         refuse_study(
             f"the run has no model '{method}' with {joint_modes} joint modes; it was run with "
@@ -219,16 +219,16 @@ def reduced_model(results: Results, method: str, joint_modes: int | None = None)
 def _from_modal(
     rom: ReducedModel, history: ImportedHistory, options: RecoverOptions
 ) -> tuple[Recovered, str]:
-    """Recover from coordinates; also say where derivatives come from."""
+    """Recover pressures from coordinates; return them, and the source of derivatives."""
     for name in ("step", "integrator"):
         if getattr(options, name) is not None:
-            refuse_study(f"{history.path} is a modal history and is not simulated; remove --{name}")
+            refuse_study(f"{history.path} is a modal history, so there is no --{name}; remove it")
     q, kinds = np.asarray(history.coordinates), rom.basis.kinds
     if q.shape[1] != len(kinds):
         modes_text = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
         refuse_study(
             f"{history.path} has {q.shape[1]} coordinates, but the basis of '{rom.method}' has "
-            f"{len(kinds)} ({modes_text}); give all in this order, or name another --method"
+            f"{len(kinds)} ({modes_text}); give all in this order, or another --method"
         )
     v, a, derivatives = _derivatives(history, q, options)
     recovered = recover_from_modal(
@@ -246,7 +246,7 @@ def _from_modal(
 def _derivatives(
     history: ImportedHistory, q: Matrix, options: RecoverOptions
 ) -> tuple[Matrix | None, Matrix | None, str]:
-    """Velocities and accelerations as given or by differences; None is left to a spline."""
+    """Return velocities and accelerations, None where a spline gives them, and their source."""
     derivatives = {"velocities": history.velocities, "accelerations": history.accelerations}
     missing = [name for name, values in derivatives.items() if values is None]
     if not missing:
@@ -271,18 +271,18 @@ def _derivatives(
 def _from_loads(
     rom: ReducedModel, history: ImportedHistory, options: RecoverOptions
 ) -> tuple[Recovered, str]:
-    """Simulate under boundary forces, then recover."""
+    """Simulate the response to boundary forces, and recover pressures from it."""
     if options.derivatives is not None:
-        refuse_study(f"{history.path} has boundary forces only; remove --derivatives")
+        refuse_study(f"{history.path} has only boundary forces; remove --derivatives")
     if history.frame is not None:
         refuse_study(
-            f"{history.path} has supports that move but no coordinates; give q1, q2, … too, for "
-            "only supports at rest are simulated here"
+            f"{history.path} has moving supports but no coordinates; give q1, q2, … too, because "
+            "only supports at rest are simulated"
         )
     if len(history.times) < 2 or history.times[0] != 0:
         refuse_study(
-            f"{history.path}: boundary forces need two or more instants, the first at time 0, "
-            "when the joint rests under its bolts; add one"
+            f"{history.path}: boundary forces need at least two instants, the first at time 0, "
+            "with the joint at rest under its preloads; add one"
         )
     recovered = recover_from_boundary_loads(
         rom,

@@ -1,4 +1,4 @@
-"""What the load cases of a run are compared with: the full model, or the best reduced one."""
+"""The reference of the load cases of a run: the full model, or the best reduced model."""
 
 from dataclasses import dataclass
 
@@ -14,18 +14,18 @@ from faying.study.stages.offline import PreparedJoint
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Reference:
-    """What load cases are compared with.
+    """The reference of load cases.
 
     Attributes
     ----------
     kind
         ``"full"``; ``"worst"``, the full model for the worst static cases only; or ``"none"``.
     reason
-        Why, where the study leaves it open; empty otherwise.
+        Reason of the choice; empty if the study made it.
     system
-        The model that solves them, unless a case is confirmed by the full one.
+        Reference model, unless a case is confirmed by the full model.
     name
-        What people call it.
+        Name of the model for the user.
     """
 
     kind: Kind
@@ -35,21 +35,21 @@ class Reference:
 
 
 REDUCED = "reference"
-"""Label of a reduced model that the methods are compared with."""
+"""Label of a reduced model as reference."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A load case solved by what methods are compared with.
+    """A load case solved by the reference.
 
     Attributes
     ----------
     name
-        What people call the model.
+        Name of the model for the user.
     label
-        What its responses are kept under.
+        Label of the model in checkpoint keys.
     remedy
-        Of a transient that was solved again.
+        Record of a transient that was solved again.
     """
 
     response: Response
@@ -60,11 +60,11 @@ class Solved:
 
 
 def reference_of(joint: PreparedJoint, normal_modes: int) -> Reference:
-    """Return what the load cases of a study are compared with.
+    """Return the reference of the load cases of a study.
 
-    Without the full model that is method ``compliance`` with twice the normal modes, static
-    solutions of which are those of the full model; what the other methods differ from it in
-    transients is a check of their number of modes. The normal modes are those of the methods.
+    Without the full model it is method ``compliance`` with twice the normal modes. Its static
+    solutions are exact. The differences of the other methods to it in
+    transients check their number of modes. ``normal_modes`` is the number of the methods.
 
     Notes
     -----

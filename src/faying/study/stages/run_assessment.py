@@ -1,4 +1,4 @@
-"""The joint of a run judged over its load cases."""
+"""Assessment of the joint of a run over its load cases."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -27,10 +27,10 @@ def assess_run(
     frequencies: Mapping[str, FrequencyRecord],
     exact: Model | ReducedModel,
 ) -> Assessment | None:
-    """Judge the joint over all load cases and periods that were kept; None where that failed.
+    """Return the assessment of a joint over all load cases and vibrations; None if it failed.
 
-    Static pressures of the exact model are those of the full model; preloads scatter on it. Static
-    load cases that remember nothing are certified, and followed to their openings.
+    ``exact`` has the static pressures of the full model, and is used for preload scatter. Static
+    load cases without friction or gaskets are certified, and followed to their openings.
     """
     vibrating = {
         f"{name}, level {curve.level:g} at {frequency}": CaseState(**vars(period))
@@ -44,21 +44,21 @@ def assess_run(
     with books.stage("joint assessment"), books.attempt("joint assessment"):
         loads = [case_load(case) for case in study.load_cases if case.kind == "static"]
         loaded = {n: state_of_case(case) for n, case in cases.items() if case.kind != "backbone"}
-        # Pressures and bolt forces of backbones are those of the preloaded joint.
+        # Pressures and bolt forces of backbones belong to the preloaded joint.
         states = loaded | vibrating or {REST: state_of_case(next(iter(cases.values())))}
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         scatter = study.preload_scatter
         judge = JointJudge(
             system=joint.model,
             exact=exact,
-            preloaded=_bent_in_all(rest_of(joint.rest), states),
+            preloaded=_with_common_moments(rest_of(joint.rest), states),
             cases=states,
             requirements=requirements_of(study.requirement),
             strengths=replace(StudyBolts.of(study).strengths, tightened=joint.loaded.preloads),
             attempt=books.attempt,
             loads=loads,
             followed=[load.name for load in loads],
-            summed=_summed(study.load_cases),
+            summed=_static_loads(study.load_cases),
             reserves=reserves,
             openings=followed_openings(
                 {load.name: reserves[load.name] for load in loads if load.name in reserves}
@@ -79,17 +79,17 @@ def assess_run(
 
 
 def _failed_strength(threads: Collection[str]) -> Iterator[Check]:
-    """Yield what is told of bolts of known threads where their strength cannot be computed."""
+    """Yield unknown strength checks of bolts whose strength could not be computed."""
     for name in threads:
         yield Check(part=name, kind="bolt", quantity="yield", reason=FAILED)
 
 
-FAILED = "it could not be computed, a warning says why"
-"""Why nothing is known of strength that was asked for."""
+FAILED = "it could not be computed, see the warnings"
+"""Reason of a strength check that failed."""
 
 
-def _bent_in_all(preloaded: CaseState, states: Mapping[str, CaseState]) -> CaseState:
-    """Return the preloaded state with the moments of bolts whose bending is seen in all cases."""
+def _with_common_moments(preloaded: CaseState, states: Mapping[str, CaseState]) -> CaseState:
+    """Return the preloaded state with the moments of bolts that all cases have."""
     moments = {
         name: ends
         for name, ends in preloaded.bolt_moments.items()
@@ -99,11 +99,11 @@ def _bent_in_all(preloaded: CaseState, states: Mapping[str, CaseState]) -> CaseS
 
 
 ENDS = ("forth", "back")
-"""What the ends of the largest cycle are called, at plus and minus its amplitude."""
+"""Names of the ends of the largest cycle, at plus and minus its amplitude."""
 
 
-def _summed(cases: Sequence[LoadCaseSection]) -> list[Load]:
-    """Return the static load cases, and the ends of cycles."""
+def _static_loads(cases: Sequence[LoadCaseSection]) -> list[Load]:
+    """Return the loads of static cases, and of the ends of cycles."""
     loads = list[Load]()
     for case in cases:
         load, largest = case_load(case), max(case.amplitudes or (1.0,))

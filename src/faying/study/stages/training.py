@@ -1,4 +1,4 @@
-"""The step responses that train method B, some of them side by side."""
+"""The step responses that train method B, computed side by side in groups."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ class StepTraining:
     Attributes
     ----------
     training
-        What the study says about them.
+        Training options of the study.
     period
         Longest period of the preloaded joint [time].
     solver
-        Makes what they are computed with, when the first is.
+        Function that builds the solver at the first use.
     rest
-        Where they start, if that is known.
+        Initial state, if known.
     """
 
     training: TrainingSection
@@ -37,14 +37,14 @@ class StepTraining:
 
     @property
     def n_steps(self) -> int:
-        """Time steps of one response."""
+        """Number of time steps of a response."""
         step = time_step(self.training, self.period)
         return round(time_span(self.training, self.period) / step)
 
     def forces(
         self, numbers: Sequence[int], progress: Callable[[int], object] | None = None
     ) -> Iterator[Arrays]:
-        """Yield ``forces``, λ (n_point, n_time) [force], of the responses to some of the loads."""
+        """Yield the contact forces λ (n_point, n_time) [force] of the responses to some loads."""
         loads = step_loads(self.training)
         solutions = step_responses(
             self._solver,
@@ -70,11 +70,11 @@ def step_loads(training: TrainingSection) -> Sequence[Load]:
 
 
 def step_key(number: int) -> str:
-    """Return the key that a training step is kept under."""
+    """Return the checkpoint key of a training step."""
     return f"training step {number}"
 
 
 def step_groups(training: TrainingSection) -> list[dict[str, int]]:
-    """Return which training steps are computed together: their keys and numbers."""
+    """Return groups of training steps that are computed together: numbers by key."""
     numbers = range(len(step_loads(training)))
     return grouped({step_key(number): number for number in numbers})

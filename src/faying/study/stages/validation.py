@@ -1,4 +1,4 @@
-"""What a study says beyond its load cases: a load space."""
+"""Validation of reduced models at random loads of the training box."""
 
 from collections.abc import Mapping
 
@@ -21,9 +21,9 @@ from faying.study.stages.offline import Models, PreparedJoint
 def validate(
     joint: PreparedJoint, models: Models, choices: Mapping[str, JointModeChoice]
 ) -> ValidationRecord:
-    """Compute what the study's load space means for every method.
+    """Return the errors of every method over the load space of a study.
 
-    What fails is absent, and named among the omissions.
+    Parts that fail are absent, and named among the omissions.
     """
     space, study, books = None, joint.study, joint.books
     count = study.validation.unseen_loads
@@ -37,7 +37,7 @@ def validate(
 def _load_space(
     model: Model, box: LoadBox, count: int, models: Models, books: Books
 ) -> LoadSpaceRecord:
-    """Return errors at random loads of the training box."""
+    """Return the errors of all methods at random loads of the training box."""
     unseen = box.random_loads(model, count, seed=1)
     exact = solve_static_cases(model, unseen)
     results: dict[str, dict[int, LoadSpaceResult]] = {}

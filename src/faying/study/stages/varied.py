@@ -1,4 +1,4 @@
-"""Backbones of a study whose parameters take other values, on one structure reduced once."""
+"""Backbones of a study at other values of its parameters, on a structure reduced once."""
 
 import tomllib
 from collections.abc import Mapping
@@ -37,11 +37,11 @@ from faying.study.stages.offline import joint_while_tightened
 from faying.study.stages.path_cases import cycle_increments
 
 Curves = Mapping[tuple[str, int], Backbone]
-"""Load case and number of the mode to its backbone."""
+"""Backbones by load case and mode number."""
 
 
 def with_values(study: Study, values: Mapping[str, float]) -> Study:
-    """Return a study whose parameters, by name, have other values; its file stays as it is."""
+    """Return a study with other values of its parameters, by name; its file is not changed."""
     tables = tomllib.loads(study.text)
     for section in study.parameters:
         for key in section.keys if section.name in values else ():
@@ -57,18 +57,18 @@ def _written(values: Mapping[str, float]) -> str:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class VariedJoint:
-    """What all values of the parameters share.
+    """A joint whose parameters may vary, with its structure reduced once.
 
     Attributes
     ----------
     study
-        With the values that the file has.
+        Study with the values of its file.
     source
-        What it was read from.
+        Source of the model.
     model
         Full model.
     rom
-        Its reduction, with the compliance that keeps statics exact.
+        Reduced model with the compliance, which keeps static solutions exact.
     """
 
     study: Study
@@ -77,7 +77,7 @@ class VariedJoint:
     rom: ReducedModel
 
     def tightened(self, values: Mapping[str, float]) -> tuple[ReducedModel, Solution]:
-        """Return the reduced model with locked bolts, and the state that tightening leaves."""
+        """Return the reduced model with locked bolts, and its state after tightening."""
         study = with_values(self.study, values)
         loaded = load_model(study, self.source)
         system = self._with_contact(loaded)
@@ -89,7 +89,7 @@ class VariedJoint:
             return locked, last_of(tight.rest(locked))
 
     def curves(self, values: Mapping[str, float]) -> Curves:
-        """Return the backbones of all load cases that are some."""
+        """Return the backbones of all load cases of this kind."""
         locked, state = self.tightened(values)
         with naming(_written(values)):
             return {
@@ -122,7 +122,7 @@ class VariedJoint:
 def varied_joint(study: Study) -> VariedJoint:
     """Build and reduce the joint of a study once."""
     source = read_source(study)
-    # Within the ranges, so that what may rub rubs.
+    # Values within the ranges, so that interfaces with a range of friction have friction.
     inside = {parameter.name: sum(parameter.range) / 2 for parameter in study.parameters}
     loaded = load_model(with_values(study, inside), source)
     check_interfaces(study, loaded)
@@ -136,7 +136,7 @@ def varied_joint(study: Study) -> VariedJoint:
 
 @lru_cache(maxsize=1)
 def prepare_curves(text: str, path: Path) -> Function:
-    """Prepare the joint of a study on a worker; what it returns packs the curves of values."""
+    """Prepare the joint of a study on a worker; return the function from values to backbones."""
     return partial(_packed, varied_joint(parse_study(text, path)))
 
 
@@ -150,7 +150,7 @@ def _packed(joint: VariedJoint, values: Mapping[str, float]) -> Arrays:
 
 
 def unpacked_curves(arrays: Arrays) -> Curves:
-    """Return the backbones that a worker packed."""
+    """Return the backbones from the arrays of a worker."""
     members: dict[tuple[str, int], dict[str, Any]] = {}
     for name, array in arrays.items():
         where, _, member = name.rpartition("/")

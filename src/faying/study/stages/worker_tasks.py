@@ -1,9 +1,9 @@
-"""The expensive pieces of a run, computed by workers before it and found finished by it.
+"""The expensive pieces of a run, computed by workers before the run, which finds them finished.
 
-These are integrations of the full model: transient load cases, with their step and with half of it,
-and the training steps of method B, in the groups that a run without workers computes side by side
-too. Static solutions take milliseconds once the joint is condensed, and reduced models need bases,
-which would cost every worker more than they give.
+These are transients of the full model: load cases, with the time step and half of it,
+and the training steps of method B, in the groups that a run without workers computes side by
+side. Static solutions take milliseconds once the joint is condensed, and reduced models need
+bases, which would cost every worker more than it saves.
 """
 
 from collections.abc import Sequence
@@ -27,13 +27,13 @@ from faying.study.stages.offline import PreparedJoint, prepare_joint, step_train
 from faying.study.stages.training import StepTraining, step_groups
 
 Piece = int | FullTransient
-"""A training step by its number, or a transient of a load case."""
+"""The number of a training step, or a transient of a load case."""
 
 
 def pieces(study: Study, *, full: bool = True) -> list[dict[str, Piece]]:
-    """Return the pieces that are worth a worker, in groups, by the keys the run knows them by.
+    """Return the pieces for workers in groups, by their checkpoint keys.
 
-    If ``full`` load cases are compared with the full model.
+    If ``full``, load cases are compared with the full model.
     """
     groups = case_groups(study.load_cases, half_step=study.validation.half_step) if full else []
     tasks: list[dict[str, Piece]] = [{**group} for group in groups]
@@ -44,9 +44,9 @@ def pieces(study: Study, *, full: bool = True) -> list[dict[str, Piece]]:
 
 
 def compute_pieces(study: Study, executor: Executor, books: Books) -> None:
-    """Have workers compute the pieces that are not there yet.
+    """Have workers compute the missing pieces.
 
-    A piece without solution is left to the run, which knows whether it can do without.
+    A piece that does not converge is left to the run, which may not need it.
     """
     asked = study.validation.reference == "full"
     full = asked or reference_kind(study, build_loaded(load_model(study)))[0] == "full"
