@@ -111,7 +111,7 @@ def _groups(
         lambda cases: [np.asarray(cases.solution.bolt_force(name)) for name in system.bolts],
     )
     surrounding = "normal force on the points of the interface nearest to the bolt"
-    shared = _shared(interfaces, system.bolts)
+    shared = _bolt_areas(interfaces, system.bolts)
     yield (
         [
             Metric(f"clamp_around.{interface}.{bolt}", surrounding, "force", "smallest")
@@ -258,7 +258,7 @@ def _needed_friction(
     return area_sums(area, places, normals, forces[:, points], carried).needed_friction
 
 
-def _shared(
+def _bolt_areas(
     interfaces: Mapping[str, ContactSurface], bolts: Mapping[str, Bolt]
 ) -> dict[tuple[str, str], Vector]:
     """Return the weights around each of several bolts; a single one has the whole interface."""

@@ -204,7 +204,7 @@ class Certifier:
             If shapes do not fit or a pressure is not finite.
         """
         contact = self.system.contact
-        checked = self._checked(inputs, pressure)
+        checked = self._checked_pressure(inputs, pressure)
         displacement = static_displacements(self.system.port_compliance, inputs)
         n_relative = self.system.port_compliance.n_relative
         g_free = self.system.contact.free_gap(displacement[..., :n_relative])
@@ -233,7 +233,7 @@ class Certifier:
             area_force={} if not areas else self._areas(where, areas),
         )
 
-    def _checked(self, inputs: Matrix, pressure: Matrix) -> Matrix:
+    def _checked_pressure(self, inputs: Matrix, pressure: Matrix) -> Matrix:
         checked = np.asarray(pressure, dtype=float)
         expected = (*np.shape(inputs)[:-1], self.system.contact.n_points)
         if checked.shape != expected or not np.isfinite(checked).all():

@@ -171,7 +171,7 @@ def choose_normal_modes(
     counts, highest, estimates, tractions = [], [], [], []
     enough = OBSERVED_RATIOS[0] * tolerance
     steps: Indices | None = None
-    for count in _numbers(len(model.structure.interior), _moved(model, excited)):
+    for count in _numbers(len(model.structure.interior), _excited_modes(model, excited)):
         basis = modes_of(count)
         error, rubbed, steps = estimate(basis, steps)
         counts.append(count)
@@ -204,7 +204,7 @@ def _numbers(n_interior: int, first: int) -> list[int]:
     return [count for count in every if count >= first] or every[-1:]
 
 
-def _moved(model: Model, excited: float) -> int:
+def _excited_modes(model: Model, excited: float) -> int:
     """Return the number of modes below a frequency; 0 if they cannot be counted."""
     try:
         return count_modes_below(model, excited) if excited > 0 else 0

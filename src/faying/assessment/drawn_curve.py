@@ -19,7 +19,7 @@ from faying.simulation.solution import Solution
 def drawn_curve(system: System, state: Solution, level: float, traced: Traced) -> ResponseCurve:
     """Return the curve of motions, and the periods of the largest loads on contact or bolts."""
     names, points = boundary_components(system), traced.points
-    rows = [_row(system, point) for point in points]
+    rows = [_period_results(system, point) for point in points]
     parts = {
         name: np.array([row[name] for row in rows]) for name in ContactInMotion.__dataclass_fields__
     }
@@ -87,7 +87,7 @@ def _contact_forces(system: System, point: CurvePoint) -> npt.NDArray[np.float64
     return forces
 
 
-def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
+def _period_results(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     """Return the results of contact and loads in the last period of a motion."""
     problem, motion, contact = point.problem, point.motion, system.contact
     stuck, loads, N = problem.stuck, problem.loads, problem.samples
@@ -101,7 +101,7 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     weights = contact.weights
     ever, at_rest = closed.any(axis=1), stuck.forces[0] > 0
     bound, surfaces = contact.coefficients * at_rest, contact.slices.values()
-    shares = [_share(weights[at], sticks[at], closed[at]) for at in surfaces if bound[at].any()]
+    shares = [_min_share(weights[at], sticks[at], closed[at]) for at in surfaces if bound[at].any()]
     # Work of f and of damping forces on du over a period, by the first harmonic and by all.
     orders = np.arange(problem.n_harmonic + 1)[:, None]
     damped = 1j * orders * harmonics_of(motion.outputs[loads.damped], problem.n_harmonic)
@@ -123,7 +123,7 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     }
 
 
-def _share(weights: Vector, chosen: Mask, of: Mask) -> float:
+def _min_share(weights: Vector, chosen: Mask, of: Mask) -> float:
     """Return the least chosen share (n, N) of an area; 0 for no area."""
     area = np.maximum(weights @ of, np.finfo(float).tiny)
     return float((weights @ chosen / area).min())

@@ -99,10 +99,10 @@ def energy_balance(solution: Solution) -> EnergyBalance:
         kinetic=half_form(system.M, v),
         strain=half_form(system.K, u),
         contact=contact_energy(system.contact, solution.contact_forces, solution.shear_forces),
-        dissipated=_accumulated(2 * half_form(system.C, move) / steps),
+        dissipated=_cumulative(2 * half_form(system.C, move) / steps),
         friction=np.cumsum(np.broadcast_to(solution.dissipation, len(u))),
-        work=_accumulated(np.delete(work, bolts, axis=1).sum(axis=1)),
-        bolt_work=_accumulated(work[:, bolts].sum(axis=1)),
+        work=_cumulative(np.delete(work, bolts, axis=1).sum(axis=1)),
+        bolt_work=_cumulative(work[:, bolts].sum(axis=1)),
     )
 
 
@@ -113,5 +113,5 @@ def _trapezoidal(forces: Matrix, displacements: Matrix) -> Matrix:
     return mean * np.diff(displacements, axis=0)
 
 
-def _accumulated(increments: Vector) -> Vector:
+def _cumulative(increments: Vector) -> Vector:
     return np.concatenate([[0.0], np.cumsum(increments)])

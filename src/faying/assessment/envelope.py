@@ -45,7 +45,7 @@ def envelope_of(solution: Solution, rows: Indices) -> Envelope:
     """Return the envelope over the cases or instants of a solution, whose numbers are ``rows``."""
     pressure, gap = solution.pressure, solution.gap
     values = {"max_pressure": pressure, "min_pressure": pressure, "max_gap": gap}
-    return _picked(values, dict.fromkeys(values, np.broadcast_to(rows[:, None], gap.shape)))
+    return _pick_extremes(values, dict.fromkeys(values, np.broadcast_to(rows[:, None], gap.shape)))
 
 
 def joined(parts: Iterable[Envelope]) -> Envelope:
@@ -53,10 +53,10 @@ def joined(parts: Iterable[Envelope]) -> Envelope:
     envelopes = list(parts)
     members = [field.name for field in fields(Envelope)]
     every = {name: np.array([getattr(part, name) for part in envelopes]) for name in members}
-    return _picked(every, {name: every[f"{name}_case"] for name in PICKS})
+    return _pick_extremes(every, {name: every[f"{name}_case"] for name in PICKS})
 
 
-def _picked(values: Mapping[str, Matrix], cases: Mapping[str, Indices]) -> Envelope:
+def _pick_extremes(values: Mapping[str, Matrix], cases: Mapping[str, Indices]) -> Envelope:
     members = {}
     for name, pick in PICKS.items():
         which = pick(values[name], axis=0)[None]

@@ -158,7 +158,7 @@ def identify(
         ftol=STATIONARY,  # less than what cycles leave, which repeat to as much, is their noise
         xtol=STATIONARY,
     )
-    return _judged(comparison, ended.x, ended.fun, ended.jac, free)
+    return _identification(comparison, ended.x, ended.fun, ended.jac, free)
 
 
 @dataclass(eq=False)
@@ -240,7 +240,7 @@ def _check(parameters: Sequence[Parameter], measured: Sequence[MeasuredCurve]) -
         raise ModelError("; ".join(wrong))
 
 
-def _judged(
+def _identification(
     comparison: _Comparison,
     shares: Vector,
     residuals: Vector,

@@ -83,11 +83,11 @@ def recover_from_modal(
     inputs = load.inputs(operator.joint, times)
     free = operator.free_displacements(inputs, v, a)
     if frame_motion is not None:
-        free = free - _carried(operator, frame_motion, len(times))
+        free = free - _frame_displacements(operator, frame_motion, len(times))
     return solve_instants(operator.joint, load.name, inputs, free, times)
 
 
-def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
+def _frame_displacements(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
     """Return Q K⁻¹ M A times the accelerations of the frame (n_time, n_port)."""
     if operator.frame is None:
         refuse_model(

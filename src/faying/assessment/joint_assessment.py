@@ -71,7 +71,7 @@ def judged(
             _interface(surface, cases, clamps[name, ""]),
             slip=needed.get((name, ""), NO_DEMAND),
             opening=_openings(followed_paths, name),
-            opened=_opened(surface, preloaded, opens or {}),
+            opened=_open_shares(surface, preloaded, opens or {}),
         )
         for name, surface in surfaces.items()
     }
@@ -161,7 +161,7 @@ def _interface(
     )
 
 
-def _opened(
+def _open_shares(
     surface: ContactSurface, preloaded: CaseState, cases: Mapping[str, CaseState]
 ) -> dict[str, float]:
     """Return the largest open share of the area under preload pressure, by load cases."""

@@ -54,7 +54,7 @@ def joint_checks(
             for check in (*found.checks, *found.loosened)
             if (check.kind, check.part) == ("interface", name)
         ]
-        opened = _opened(name, interface, found.open_below)
+        opened = _opening_check(name, interface, found.open_below)
         nominal = [*opened, *_interface_checks(name, interface, demands, reserves or {}, units)]
         checks += _worse_ends([*at_ends, *nominal])
     return tuple(checks)
@@ -112,7 +112,7 @@ def _bolt_checks(
     for verdict in demands.get("no_opening_within", ()):
         if verdict.place == name:
             quantity = f"pressed within {verdict.limit:g} {units.length}"
-            yield _judged(blank(quantity=quantity), verdict)
+            yield _requirement_check(blank(quantity=quantity), verdict)
 
 
 def _local_slip(
@@ -184,7 +184,7 @@ def _interface_checks(
     yield from _slip(name, interface, demands, reserves)
 
 
-def _opened(name: str, interface: InterfaceAssessment, open_below: float) -> Iterator[Check]:
+def _opening_check(name: str, interface: InterfaceAssessment, open_below: float) -> Iterator[Check]:
     """Yield the check of the open area in load cases that are not followed to opening."""
     opened = {
         case: share for case, share in interface.opened.items() if case not in interface.opening
@@ -258,7 +258,7 @@ def _least_factor(
     return replace(check, unit=unit, case=case, required=bool(demands)).at_least(factor, limit)
 
 
-def _judged(check: Check, verdict: Verdict) -> Check:
+def _requirement_check(check: Check, verdict: Verdict) -> Check:
     """Return a requirement without a number as a check."""
     if verdict.met is None:
         return replace(check, reason=verdict.reason, required=True)

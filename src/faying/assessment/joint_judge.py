@@ -130,7 +130,7 @@ class JointJudge:
         paths = {**self._paths(self.followed), **self.openings}
         # Cases without history are judged by the factors at which they open.
         unfollowed = {n: state for n, state in self.cases.items() if n not in self.memoryless}
-        judged_cases = self._judged(paths, demands, unfollowed)
+        judged_cases = self._assess(paths, demands, unfollowed)
         spreads, scatter, threads = list[Spread](), self.scatter, self.strengths.threads
         if scatter is not None:
             with self.attempt("preload scatter"):
@@ -185,7 +185,7 @@ class JointJudge:
         if initial is None:
             return replace(assessment, checks=clamps)
         paths = self._paths(assessment.opening_first, initial)
-        loose = self._judged(paths, self._demands(initial))
+        loose = self._assess(paths, self._demands(initial))
         loosened = loosest_checks(loose, units_of(units))
         return replace(assessment, checks=clamps, loosened=loosened)
 
@@ -204,7 +204,7 @@ class JointJudge:
         judged_ends = self.at_ends(assessment, ends)
         return with_threads(judged_ends, histories, threads, units, ends, repetitions)
 
-    def _judged(
+    def _assess(
         self,
         paths: Mapping[str, Openings],
         demands: Mapping[tuple[str, str], SlipDemand],

@@ -146,11 +146,11 @@ def preload_spreads(
         system.contact.check_rubs()
     rng = np.random.default_rng(0)
     meant = load.inputs(system, np.zeros(1))
-    inputs = np.vstack([meant, _tightened(system, meant, scatter, threads, rng)])
+    inputs = np.vstack([meant, _sampled_inputs(system, meant, scatter, threads, rng)])
     metrics, spreads = metrics_of(system, interfaces, certified=False), list[Spread]()
     tables = list[Matrix]()
     for joint, rows in _joints(system, inputs, scatter, rng):
-        ways = [_way(joint, row) for row in rows]
+        ways = [_path_inputs(joint, row) for row in rows]
         tables.append(case_metrics(solve_ends(joint, ways, None, load.name), interfaces))
     table = np.concatenate(tables)
     for column, metric in enumerate(metrics):
@@ -178,12 +178,12 @@ def _joints(
         return
     yield system, inputs[:1]
     names = list(system.contact.laws)
-    drawn = _within(scatter.surface_friction, _shares(rng, scatter.samples, len(names)))
+    drawn = _in_range(scatter.surface_friction, _strata(rng, scatter.samples, len(names)))
     for row, coefficients in zip(inputs[1:], drawn.tolist(), strict=True):
         yield _with_coefficients(system, dict(zip(names, coefficients, strict=True))), row[None]
 
 
-def _way(system: System, row: Vector) -> Matrix:
+def _path_inputs(system: System, row: Vector) -> Matrix:
     """Return inputs (n_load, n_input) of a path: tightening, then the load in equal increments."""
     load, count = InputRow(name="", row=row), DEFAULT_INCREMENTS
     return path_inputs(system, [load.scaled(step / count) for step in range(count + 1)])
@@ -203,7 +203,7 @@ def _with_coefficients(
     return system.with_interfaces({name: face.with_law(laws[name]) for name, face in interfaces})
 
 
-def _tightened(
+def _sampled_inputs(
     system: System,
     meant: Matrix,
     scatter: PreloadScatter,
@@ -213,14 +213,14 @@ def _tightened(
     """Return the inputs (n_sample, n_input) of all tightenings."""
     bolts, count = system.port_compliance.bolts, scatter.samples
     factor = scatter.tightening_factor
-    shares = _shares(rng, count, bolts.stop - bolts.start)
+    shares = _strata(rng, count, bolts.stop - bolts.start)
     factors = 2 * (1 + (factor - 1) * shares) / (1 + factor)
     if scatter.thread_friction is not None and scatter.head_friction is not None:
         ranges = (scatter.thread_friction, scatter.head_friction)
         # The nominal values first, the middle of both ranges, then the samples.
         middle = np.full((1, shares.shape[1]), 0.5)
         drawn = [
-            _within(limits, np.vstack([middle, _shares(rng, *shares.shape)])) for limits in ranges
+            _in_range(limits, np.vstack([middle, _strata(rng, *shares.shape)])) for limits in ranges
         ]
         for column, name in enumerate(system.bolts):
             torque = _torque(name, threads, *(limits[:, column] for limits in drawn))
@@ -240,7 +240,7 @@ def _torque(bolt: str, threads: Mapping[str, Thread], in_thread: Vector, at_head
         return threads[bolt].torque_per_force(in_thread, at_head)
 
 
-def _shares(rng: np.random.Generator, count: int, columns: int) -> Matrix:
+def _strata(rng: np.random.Generator, count: int, columns: int) -> Matrix:
     """Return positions in a range (count, columns), one in every equal part of it in each column.
 
     The quantiles of each bolt are then exact (Latin hypercube).
@@ -249,5 +249,5 @@ def _shares(rng: np.random.Generator, count: int, columns: int) -> Matrix:
     return (order.T + rng.random((count, columns))) / count
 
 
-def _within(ends: tuple[float, float], shares: Matrix) -> Matrix:
+def _in_range(ends: tuple[float, float], shares: Matrix) -> Matrix:
     return ends[0] + (ends[1] - ends[0]) * shares

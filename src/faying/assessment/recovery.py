@@ -179,7 +179,7 @@ def recover_pressure(
     else:
         free = _free_from_full(model, chosen)
     path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
-    return path if taken is None else _taken(path, taken)
+    return path if taken is None else _select_instants(path, taken)
 
 
 def solve_cases_at_ports(joint: Joint, loads: Sequence[Load]) -> Recovered:
@@ -286,7 +286,7 @@ def solve_instants(
     )
 
 
-def _taken(recovered: Recovered, chosen: Indices) -> Recovered:
+def _select_instants(recovered: Recovered, chosen: Indices) -> Recovered:
     """Return some instants."""
     members: dict[str, Any] = {
         name: value[chosen]

@@ -223,7 +223,7 @@ def ring_down(
     stuck = stuck_mode(system, preloaded, mode)
     with naming(f"mode {mode}"):
         stuck, measure = measured(system, stuck, at)
-    name = _unused(system, f"mode {mode}")
+    name = _unused_name(system, f"mode {mode}")
     inertia = LoadPattern(name=name, forces=np.asarray(system.M @ stuck.shape))
     pushed = replace(system, load_patterns={**system.load_patterns, name: inertia})
     circular, last = 2 * np.pi * stuck.frequency, path[-1]
@@ -312,7 +312,7 @@ def _check(
         raise ModelError("; ".join(wrong))
 
 
-def _unused(system: Model | ReducedModel, name: str) -> str:
+def _unused_name(system: Model | ReducedModel, name: str) -> str:
     """Return a name that no load pattern has yet."""
     while name in system.load_patterns:
         name += "'"

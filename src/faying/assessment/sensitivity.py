@@ -85,14 +85,14 @@ class Sensitivity:
         self.system.contact.check_frictionless(
             "so that final preloads depend on the order of tightening; take initial_bolt_forces"
         )
-        slope = self._tightened.initial_bolt_forces.bolt_forces
+        slope = self._tightened_state.initial_bolt_forces.bolt_forces
         if np.linalg.svd(slope, compute_uv=False).min(initial=1.0) < SOLVED:
             refuse_model(
                 f"the bolts {', '.join(self.system.bolts)} have no final preload to change: "
                 "tightening one of them clamps nothing"
             )
         changes = np.asarray(np.linalg.inv(slope), dtype=float)
-        return self._by_bolts(changes).within(self._tightened._by_bolts(changes))
+        return self._by_bolts(changes).within(self._tightened_state._by_bolts(changes))
 
     @cached_property
     def friction(self) -> Derivatives:
@@ -154,7 +154,7 @@ class Sensitivity:
         return members
 
     @cached_property
-    def _tightened(self) -> "Sensitivity":
+    def _tightened_state(self) -> "Sensitivity":
         """The state without load, at the initial bolt forces of the last state."""
         inputs = self._inputs[-1:].copy()
         bolts = self.system.port_compliance.bolts
@@ -209,7 +209,7 @@ class Sensitivity:
             lower, upper = np.maximum(lower, down), np.minimum(upper, up)
             lost = -np.einsum("ip,ipq->q", increment.forces[1:], dz[1:])
             lost -= np.einsum("ipq,ip->q", dx[1:], increment.slack[1:])
-            rows.append((dx, slip, lost, self._moved(dx, change)))
+            rows.append((dx, slip, lost, self._displacement_changes(dx, change)))
         columns = [np.array(column) for column in zip(*rows, strict=True)]
         forces = np.swapaxes(unstretched_bolt_forces(self.system, np.swapaxes(dinputs, 1, 2)), 1, 2)
         if self.solution.inputs.ndim == 1:
@@ -229,7 +229,7 @@ class Sensitivity:
             upper=upper,
         )
 
-    def _moved(self, dx: Matrix, change: Matrix) -> Matrix:
+    def _displacement_changes(self, dx: Matrix, change: Matrix) -> Matrix:
         """Return changes of the displacements of all inputs (n_input, n_parameter)."""
         ports = self.system.port_compliance
         signed = np.array(change)

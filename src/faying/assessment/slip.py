@@ -66,7 +66,7 @@ def point_states(contact: Contact, normal: Matrix, shear: Matrix, slip: Matrix) 
     status = np.where(moved & ~contact.sticking(normal, shear), SLIP, STICK)
     status[:, contact.coefficients == 0] = SLIP
     status = np.where(normal > 0, status, OPEN)
-    shares = _shares(status, contact.weights, contact.rubbing)
+    shares = _area_shares(status, contact.weights, contact.rubbing)
     whole = [all_slip(status[:, contact.slices[name]]) for name in contact.rubbing_interfaces]
     return SlipStates(
         status=status,
@@ -91,7 +91,7 @@ def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
     return np.concatenate([first, path.shear_slip.reshape(shape)])
 
 
-def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:
+def _area_shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:
     """Return the shares of area (3, n_increment) in each state, of points with friction."""
     statuses, area = status[:, rubbing], weights[rubbing]
     total = float(area.sum()) or 1.0

@@ -120,7 +120,7 @@ def area_sums(
     tangential = np.hypot(*carried[:, :2].T)
     moment = np.abs(carried[:, 2] - centre[:, 0] * carried[:, 1] + centre[:, 1] * carried[:, 0])
     turned = clamp * least_mean_arm(places, shares)
-    needed = _over(tangential, clamp) + _over(moment, turned)
+    needed = _quotient(tangential, clamp) + _quotient(moment, turned)
     bent = forces @ tilts > BENT_SHARE * clamp
     needed[bent] = np.inf
     return AreaSums(
@@ -132,7 +132,7 @@ def area_sums(
     )
 
 
-def _over(load: Vector, resistance: Vector) -> Vector:
+def _quotient(load: Vector, resistance: Vector) -> Vector:
     """Return a quotient: infinite for a load without resistance, zero without load."""
     quotient = load / np.where(resistance > 0, resistance, 1.0)
     return np.where(resistance > 0, quotient, np.where(load > 0, np.inf, 0.0))

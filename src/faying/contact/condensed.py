@@ -99,13 +99,13 @@ class CondensedContact:
     def _solver(self) -> IncrementSolver:
         """Return the solver of increments."""
         if not self.contact.yields:
-            return self._staged()
+            return self._staged_solver()
         try:
-            return YieldingContact.of(self.contact, self.between, self._pressed, self._by_stages)
+            return YieldingContact.of(self.contact, self.between, self._clamped, self._by_stages)
         except la.LinAlgError:
-            return self._staged()
+            return self._staged_solver()
 
-    def _staged(self) -> IncrementSolver:
+    def _staged_solver(self) -> IncrementSolver:
         """Return the solver for points that may be hard."""
         contact = self.contact
         if contact.unilateral:
@@ -117,7 +117,7 @@ class CondensedContact:
     def _by_stages(self) -> AugmentedContact:
         return AugmentedContact(contact=self.contact, between=self.between)
 
-    def _pressed(self) -> Vector | None:
+    def _clamped(self) -> Vector | None:
         """Return ones at the points (n_point,) that the bolts press together at rest, if known.
 
         Problems of few pairs, whose matrices are factorized whole, do not need it.

@@ -66,7 +66,7 @@ class HeldPairs:
         LinAlgError
             If structure and springs leave a pair free to move.
         """
-        return cls._inverted(points, springs, structure.astype(np.float64), 0.0)
+        return cls._invert(points, springs, structure.astype(np.float64), 0.0)
 
     @classmethod
     def for_steps(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "HeldPairs":
@@ -76,12 +76,12 @@ class HeldPairs:
         """
         single = structure.astype(np.float32)
         try:
-            return cls._inverted(points, springs, single, SMALLEST_SINGLE_PIVOT)
+            return cls._invert(points, springs, single, SMALLEST_SINGLE_PIVOT)
         except LinAlgError:
             return cls.on_springs(points, springs, structure)
 
     @classmethod
-    def _inverted(
+    def _invert(
         cls, points: PointSprings, springs: Matrix, structure: npt.NDArray[Any], smallest: float
     ) -> "HeldPairs":
         """Return the pairs with U in the precision of ``structure``, which is overwritten."""

@@ -50,7 +50,7 @@ def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
     every[facets.triangular[linear], 3] = 0.0  # the repeated corner
     np.add.at(mean, local, every)
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
-    fitted = _turned(nodes[used], mean, _neighbours(local, mean))
+    fitted = _turn_normals(nodes[used], mean, _neighbours(local, mean))
     smooth_normals = fitted[local]
     smooth = np.linalg.norm(smooth_normals - facet_normal[linear][:, None], axis=2) < SHARP
     normals[linear] = np.where(smooth[..., None], smooth_normals, normals[linear])
@@ -73,7 +73,7 @@ def _neighbours(corners: Indices, normals: Matrix) -> Indices:
     return table
 
 
-def _turned(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
+def _turn_normals(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
     """Return normals (n, 3) turned by the slope of the quadratic through neighbours (n, most)."""
     first = np.eye(3)[np.abs(normals).argmin(axis=1)]
     first -= np.einsum("nd,nd->n", first, normals)[:, None] * normals

@@ -142,7 +142,7 @@ def find_segments(
         rows = np.flatnonzero(common_enough)
         facets = first[rows], second[rows]
         seen = polygons[rows], counts[rows], np.abs(height[rows])
-        lifted = _lifted(seen[0], centres[facets[0]], frames[facets[0]], above, upper_cell[rows])
+        lifted = _lift(seen[0], centres[facets[0]], frames[facets[0]], above, upper_cell[rows])
         common_enough[rows] = ~_hidden_polygons(nodes, (minus, plus), facets, seen, lifted)
     covered = np.bincount(first[common_enough], common[common_enough], len(minus)) / full
     common_enough &= covered[first] >= DECK_DIGITS
@@ -197,7 +197,7 @@ def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
     return np.where(triangular[:, None, None], corners[:, triangle], corners[:, square])
 
 
-def _lifted(
+def _lift(
     polygons: Matrix, origins: Matrix, frames: Matrix, above: Cells, upper_cells: Indices
 ) -> Matrix:
     """Return polygons (n, n_corner, 2) moved along minus normals onto the planes of plus cells."""

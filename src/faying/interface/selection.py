@@ -117,7 +117,7 @@ def candidates(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indices
     if spec.minus == "auto" or spec.plus == "auto":
         minus, plus = _one_side_and_the_rest(assembly, spec)
     else:
-        minus, plus = (_selected(assembly, spec, name) for name in ("minus", "plus"))
+        minus, plus = (_select_side(assembly, spec, name) for name in ("minus", "plus"))
     both = minus.joined(plus)
     return both, np.repeat([0, 1], [len(minus), len(plus)])
 
@@ -136,13 +136,13 @@ def _all_bodies(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indice
 
 
 def _one_side_and_the_rest(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Facets]:
-    named = _selected(assembly, spec, "plus" if spec.minus == "auto" else "minus")
+    named = _select_side(assembly, spec, "plus" if spec.minus == "auto" else "minus")
     exterior = assembly.mesh.exterior
     unnamed = exterior.taken(named.positions(exterior.nodes) < 0)
     return (unnamed, named) if spec.minus == "auto" else (named, unnamed)
 
 
-def _selected(assembly: Assembly, spec: InterfaceSpec, name: str) -> Facets:
+def _select_side(assembly: Assembly, spec: InterfaceSpec, name: str) -> Facets:
     with naming(f"interface '{spec.name}', {name} side"):
         return select_facets(assembly, getattr(spec, name))
 

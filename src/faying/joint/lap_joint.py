@@ -243,8 +243,8 @@ def lap_joint_assembly(
     )
     ends = _with_ends(geometry, _plates(geometry, material or STEEL, element))
     soft = SOFT_SUSPENSION if plates == 3 else (0.0, 0.0)
-    bare = _suspended(ends, *(soft if tip_suspension is None else tip_suspension))
-    assembly, bolts = _bolted(bare, geometry, template)
+    bare = _with_suspension(ends, *(soft if tip_suspension is None else tip_suspension))
+    assembly, bolts = _with_bolts(bare, geometry, template)
     contact = InterfaceSpec(
         name="joint",
         meshes=meshes or ("matching" if upper_element_size is None else "non-matching"),
@@ -305,7 +305,7 @@ def _with_ends(geometry: LapGeometry, assembly: Assembly) -> Assembly:
     )
 
 
-def _suspended(assembly: Assembly, translation: float, rotation: float) -> Assembly:
+def _with_suspension(assembly: Assembly, translation: float, rotation: float) -> Assembly:
     """Add springs from the tip to ground, if they have stiffness."""
     tip = assembly.rigid_couplings[0].reference
     first = assembly.rigid_couplings[0].id + 1
@@ -320,7 +320,7 @@ def _suspended(assembly: Assembly, translation: float, rotation: float) -> Assem
     return replace(assembly, springs=tuple(springs), ignored=(note,) if springs else ())
 
 
-def _bolted(
+def _with_bolts(
     assembly: Assembly, geometry: LapGeometry, template: BoltSpec
 ) -> tuple[Assembly, tuple[BoltSpec, ...]]:
     """Add the bolts and return them with specs that name their beams."""

@@ -22,7 +22,7 @@ def node_blocks(A: SparseMatrix) -> sp.bsr_array:
     """
     n = A.shape[0]
     padding = -n % NODE
-    whole = _padded(A, padding) if padding else sp.csr_array(A)
+    whole = _pad(A, padding) if padding else sp.csr_array(A)
     blocks = sp.bsr_array(whole, blocksize=(NODE, NODE))
     if blocks.data.size > MOST_FILL * A.nnz:
         return single_rows(A)
@@ -30,7 +30,7 @@ def node_blocks(A: SparseMatrix) -> sp.bsr_array:
     return blocks
 
 
-def _padded(A: SparseMatrix, padding: int) -> sp.csr_array:
+def _pad(A: SparseMatrix, padding: int) -> sp.csr_array:
     """Return A extended by a unit diagonal, ten times as fast as ``sp.block_diag``."""
     by_row = sp.csr_array(A)
     n = by_row.shape[0]

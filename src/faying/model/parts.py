@@ -201,7 +201,7 @@ class _Cut:
             families[name] = tuple(member for member, ok in zip(family, stay, strict=True) if ok)
             first += len(family)
         families["rigid_couplings"] = tuple(
-            self._trimmed(member) for member in families["rigid_couplings"]
+            self._trim(member) for member in families["rigid_couplings"]
         )
         shells = []
         for block in whole.shells:
@@ -217,7 +217,7 @@ class _Cut:
             **families,
         )
 
-    def _trimmed(self, coupling: RigidCoupling) -> RigidCoupling:
+    def _trim(self, coupling: RigidCoupling) -> RigidCoupling:
         return replace(coupling, nodes=coupling.nodes[~self.gone[coupling.nodes]])
 
     def _mesh(self, mesh: Mesh) -> Mesh:

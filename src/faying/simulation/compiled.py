@@ -101,12 +101,12 @@ class CompiledSteps:
         guess, closed = state.active.copy(), state.supported
         done, renewals = 0, 0
         while done < len(applied) and renewals <= RETRIES:
-            if done or closed is None or not self._near(closed, guess):
+            if done or closed is None or not self._is_near(closed, guess):
                 closed = guess.copy()
             instants = slice(first + done, first + len(applied))
             steps = loop.advance(
                 loop.Model(**self.model),
-                loop.Held(self._supported(closed), closed),
+                loop.Held(self._compliance_on_springs(closed), closed),
                 applied[done:],
                 int(MOST_CHANGED * len(self.model["to_pairs"])),
                 motion,
@@ -122,18 +122,18 @@ class CompiledSteps:
             )
             done += steps
             renewals = 0 if steps else renewals + 1
-            if not steps and self._near(closed, guess):
+            if not steps and self._is_near(closed, guess):
                 break
         forces = np.zeros((3, len(guess))) if state.forces is None else state.forces.copy()
         if done:
             forces[0] = history.forces[0, first + done - 1]
         return done, ContactState(active=guess, supported=closed, forces=forces)
 
-    def _near(self, closed: Mask, guess: Mask) -> bool:
+    def _is_near(self, closed: Mask, guess: Mask) -> bool:
         """Return whether few enough points have changed sides to use E of a closed set."""
         return bool(np.count_nonzero(guess ^ closed) <= NEAR * len(self.solver.S))
 
-    def _supported(self, closed: Mask) -> Matrix:
+    def _compliance_on_springs(self, closed: Mask) -> Matrix:
         """Return E, the compliance of the pairs on the springs of the closed points."""
         key = closed.tobytes()
         if key not in self.supported:

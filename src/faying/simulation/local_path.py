@@ -1,15 +1,15 @@
 """Load paths of points that may leave their springs, with all others stuck; and derivatives.
 
-With w = G δ at the points, of the pairs or of the points themselves where these are fewer, w₀ what
-loads move there with all points stuck, T₀ between them, and the forces g = Gᵀ μ, where μ are those
-that points exert beside their springs B (F10), an increment is
+With displacements w = G δ at the points (G from the pairs, or the identity where points are fewer),
+w₀ those due to loads with all points stuck, T₀ the compliance between them, and g = Gᵀ μ the forces
+of the points beyond their springs B (F10), an increment is
 
     w = w₀ + G T₀ g,   g = Gᵀ (λ(z₀ + w − s) − λ₀ + B w),                                   (F12)
 
-with the slip s since the joint was at rest: (F8) of a structure with the stiffness T₀⁻¹ and points
-that answer beside their springs. The steps dg of :mod:`~faying.contact.newton_descent` have
-I + A T₀ to solve with, A = Gᵀ Δ G, Δ = K − B, in which only the rows a of A take part that do not
-vanish, about points that slip or are open. Of what is left of g, ρ, these make
+with the slip s since the joint was at rest. This is (F8) for a structure with the stiffness T₀⁻¹
+and the forces of points beyond their springs. The steps dg of :mod:`~faying.contact.newton_descent`
+take solutions with I + A T₀, A = Gᵀ Δ G, Δ = K − B, of which only the nonzero rows a of A matter,
+those of points that slip or are open. For the residual ρ of g
 
     x_a = (I + A_a T_a)⁻¹ (ρ_a − A_a T_o ρ_o),  x_o = ρ_o.
 """
@@ -41,7 +41,7 @@ FAST_CONVERGENCE = 0.2
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LocalPath:
-    """Where points were after each increment.
+    """Displacements and forces of the points after each increment.
 
     Attributes
     ----------

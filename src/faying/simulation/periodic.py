@@ -42,20 +42,20 @@ PERIODS = 2
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalLoads:
-    """What is given in columns: both parts of f, then q, −M Y ẍ, and −C (φ q̇ + Y ẋ).
+    """Load columns and their effects: both parts of f, then q, −M Y ẍ, and −C (φ q̇ + Y ẋ).
 
-    What it moves is stored once, and so is what it asks for: a force −a at q.
+    Effects are displacements, and the force −a at q.
 
     Attributes
     ----------
     rest
-        Shapes, and what follows them.
+        Shapes, and the rest.
     restrained : (n_relative, n_column + n_output)
-        What it moves the pairs with all closed points stuck, and what forces at outputs do.
+        Displacements of the pairs per column and per force at outputs, all closed points stuck.
     answers : (n_column + n_output, n_column)
-        What loads and outputs move, and −a at q, likewise.
+        Displacements along loads and outputs, and −a at q, per column.
     prescribed : (n_relative, n_mode)
-        What prescribed shapes take from the compliance of the pairs.
+        Reduction of the compliance of the pairs by prescribed shapes.
     bolts
     n_boundary
     """

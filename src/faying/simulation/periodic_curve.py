@@ -1,10 +1,10 @@
 """Periodic motions over frequency: Newton's method with exact derivatives along the curve.
 
-A step goes along the tangent and ends at the next frequency asked for where the curve allows it,
-else on a plane across the tangent (pseudo-arclength; E. L. Allgower & K. Georg, Introduction to
-Numerical Continuation Methods, 2003, §6), so that turning points are passed. Steps of Newton's
-method are judged by what the same factors leave of the next one (natural monotonicity; P.
-Deuflhard, Newton Methods for Nonlinear Problems, 2011, §3.3): residuals say nothing at a resonance.
+A step goes along the tangent and ends at the next given frequency if the curve allows it, else on a
+plane across the tangent (pseudo-arclength; E. L. Allgower & K. Georg, Introduction to Numerical
+Continuation Methods, 2003, §6), so that turning points are passed. Steps of Newton's method are
+judged by the next step with the same factors (natural monotonicity; P. Deuflhard, Newton Methods
+for Nonlinear Problems, 2011, §3.3), because residuals are no measure at a resonance.
 """
 
 from collections.abc import Callable, Sequence

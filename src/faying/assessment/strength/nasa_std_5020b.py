@@ -140,7 +140,7 @@ def margin_checks(
         (LEAST, slack, factors.slip),
     )
     ultimate, yields, apart, slips = (
-        _factored(system, loads, end, initial, factors.fitting * factor)
+        _solve_factored(system, loads, end, initial, factors.fitting * factor)
         for end, initial, factor in every
     )
     sheared = ultimate.demands(surfaces, rows, {})
@@ -159,7 +159,7 @@ def margin_checks(
     yield from _slip_checks(slips, slips.demands(surfaces, rows, coefficients))
 
 
-def _factored(
+def _solve_factored(
     system: System, loads: Sequence[NamedLoad], end: str, initial: Vector, factor: float
 ) -> _Factored:
     """Return rest and factored loads with the initial forces (n_bolt,) of one end."""

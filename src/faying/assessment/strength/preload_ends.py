@@ -95,8 +95,8 @@ def preload_ends(
         shifts = {name: force - nominal[name] for name, force in forces.items()}
         moved = PreloadEnd(
             name=end,
-            rest=_shifted(rest, shifts, rest),
-            cases={name: _shifted(state, shifts, rest) for name, state in cases.items()},
+            rest=_shift_state(rest, shifts, rest),
+            cases={name: _shift_state(state, shifts, rest) for name, state in cases.items()},
             tightened=before[end],
         )
         if not loads or (not end and not temperatures):
@@ -204,7 +204,7 @@ def state_of(solution: Solution, rows: slice, bent: Iterable[str]) -> CaseState:
     )
 
 
-def _shifted(state: CaseState, shifts: Mapping[str, float], rest: CaseState) -> CaseState:
+def _shift_state(state: CaseState, shifts: Mapping[str, float], rest: CaseState) -> CaseState:
     forces = {name: force + shifts.get(name, 0.0) for name, force in state.bolt_forces.items()}
     moments = dict(state.bolt_moments)
     for name in moments.keys() & rest.bolt_moments.keys() & shifts.keys():
