@@ -218,7 +218,7 @@ def _hopeless(estimates: list[float], count: int, tolerance: float) -> bool:
         return False
     previous, now = estimates[-2:]
     if now >= previous:
-        return len(estimates) > 2  # once may be chance
+        return len(estimates) > 2  # one step may be chance
     at_most: float = (
         now * (now / previous) ** np.log2(MOST_MODES / count) if np.isfinite(previous) else 0.0
     )

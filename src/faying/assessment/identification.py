@@ -155,7 +155,7 @@ def identify(
         start,
         comparison.derivatives,
         bounds=(0.0, 1.0),
-        ftol=STATIONARY,  # less than what cycles leave, which repeat to as much, is their noise
+        ftol=STATIONARY,  # noise of cycles, which repeat to this accuracy
         xtol=STATIONARY,
     )
     return _identification(comparison, ended.x, ended.fun, ended.jac, free)
@@ -257,7 +257,7 @@ def _identification(
     finite = np.minimum(spreads, 1.0 / np.finfo(float).eps)
     covariance = (directions.T * finite**2) @ directions
     errors = np.sqrt(np.diag(covariance))
-    half = float(student.ppf(0.975, free))  # of an interval of 95 %, errors on either side
+    half = float(student.ppf(0.975, free))  # 95 % interval, errors on either side
     intervals = {
         p.name: (p.value(max(share - wide, 0.0)), p.value(min(share + wide, 1.0)))
         for p, share, wide in zip(parameters, shares, half * errors, strict=True)

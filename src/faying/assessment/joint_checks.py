@@ -41,7 +41,7 @@ def joint_checks(
     demands: dict[str, list[Verdict]] = {}
     for verdict in found.verdicts:
         demands.setdefault(verdict.requirement, []).append(verdict)
-    if reserves and not found.bolts:  # no bolts carry shear, and both are judged by the path
+    if reserves and not found.bolts:  # bolts without shear: both are judged by the path
         demands.setdefault("min_sliding_factor", []).extend(demands.pop("min_slip_safety", ()))
     checks: list[Check] = []
     for name, bolt in found.bolts.items():

@@ -79,6 +79,6 @@ class NaturalMap:
     def scale(self) -> Matrix:
         """Factors r (3, n_point) [force/length]: one over the diagonal of G S Gᵀ + c′."""
         own = np.asarray(self.G.multiply(self.G @ self.S).sum(axis=1)).reshape(3, -1)
-        own[1:] = own[1:].mean(axis=0)  # which no turn of the tangents changes
+        own[1:] = own[1:].mean(axis=0)  # independent of the directions of the tangents
         total = own + self.yields
         return np.where(total > 0, 1.0 / np.where(total > 0, total, 1.0), 1.0)

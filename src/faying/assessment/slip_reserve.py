@@ -94,7 +94,7 @@ class SlipReserve:
     openings: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        # Arrays, where a run that was interrupted kept them.
+        # Arrays from the file of an interrupted run.
         object.__setattr__(self, "areas", tuple(map(str, self.areas)))
         object.__setattr__(self, "openings", tuple(map(float, self.openings)))
 
@@ -267,7 +267,7 @@ class _Search:
 
     def target(self, factor: float) -> Matrix:
         """Return the displacements of the pairs (1, n_relative) under a load factor alone."""
-        # As paths do, to the last digit: what one of them reached is then what is reached here.
+        # As in paths, to the last digit, so that their steps can be used here.
         return moved_alone(self.system, path_inputs(self.system, [self.load.scaled(factor)]))
 
     def known(self, path: Sequence[PathStep], increments: int) -> Sequence[PathStep]:

@@ -86,7 +86,7 @@ class Balance:
         b = self.closing[points]
         answers = close(np.column_stack([gaps, -b]))
         core = self.yields + b.T @ answers[:, 1:]
-        np.linalg.cholesky(core)  # refuses what resists the springs nowhere
+        np.linalg.cholesky(core)  # refuses springs without resistance
         initial = np.asarray(np.linalg.solve(core, missed - b.T @ answers[:, 0]), dtype=float)
         return np.asarray(answers[:, 0] + answers[:, 1:] @ initial), initial
 
@@ -164,7 +164,7 @@ def solve_complementarity(
     except la.LinAlgError:
         pass
     if len(balance.about):
-        # Where closed points alone do not resist the springs, or depend on each other.
+        # Closed points that do not resist the springs, or that are linearly dependent.
         return _through_interior(space, g_free, balance, balance.about, 0.0, 1)
     try:
         return _proximal_point(space, g_free, active, balance)

@@ -138,14 +138,14 @@ class Level:
         contact = self.contact
         k, added = contact.components, np.zeros((3, contact.n_points))
         added[:k] = moved_singly(contact.rows, self.between).reshape(k, -1)
-        added[1:k] = added[1:k].sum(axis=0) / 2  # which no turn of the tangents changes
+        added[1:k] = added[1:k].sum(axis=0) / 2  # independent of the directions of the tangents
         added[:k][added[:k] == 0.0] = added.max(initial=0.0) or 1.0  # where nothing moves
         return SoftenedLaws(LawsAtPoints(contact=contact), added / self.hardness)
 
     @cached_property
     def held(self) -> YieldingContact:
         """The solver of the structure on the springs of the softened points."""
-        # On as many threads wherever it is asked for first, so that digits do not depend on that.
+        # On a fixed number of threads, so that digits do not depend on the first caller.
         with threads_for(self.contact.n_points):
             return YieldingContact.on_springs(self.contact, self.between, self.laws.springs)
 
@@ -279,7 +279,7 @@ class LoosenedAugmented:
             previous, left = left, change
             residual = left / solver.levels[level].hardness
             if begun is not None and left <= 10.0 * ROUND_OFF:
-                break  # a problem that begins at its solution keeps the last digits of that
+                break  # a problem that starts at its solution keeps its last digits
             forces, initial, begun, anew = following.forces, initial_forces, None, False
             steps += following.iterations
             if left <= ROUND_OFF:
@@ -288,7 +288,7 @@ class LoosenedAugmented:
                 level = min(level + 1, len(LEVELS) - 1)
         if left > SETTLED or residual > SOLVED:
             if start is not None and start.begun:
-                # What another load left may lead where points contradict each other.
+                # The state of another load may lead to contradictory points.
                 with suppress(ConvergenceError):
                     return self.solve(free, offset, elongations, about)
             raise ConvergenceError(_no_convergence(contact, steps, left, start))

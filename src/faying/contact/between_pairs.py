@@ -136,7 +136,7 @@ class Stiffness:
         with latest.turn:
             shared = latest.formed
             if shared is None or not shared.are_of(G, springs, held):
-                shared = latest.formed = None  # before others take as much memory
+                shared = latest.formed = None  # before new ones take as much memory
                 # Without a reference to self: a cycle would hold memory until garbage collection.
                 apart = Stiffness(self.stiffness)
                 pairs = GluedPairs.of(G, springs, apart, lambda: held)

@@ -92,7 +92,7 @@ class CondensedContact:
     @cached_property
     def increments(self) -> IncrementSolver:
         """The solver of increments: in stages where points are hard or nearly so."""
-        # On as many threads wherever it is asked for first, so that digits do not depend on that.
+        # On a fixed number of threads, so that digits do not depend on the first caller.
         with threads_for(self.contact.n_points):
             return self._solver()
 

@@ -310,7 +310,7 @@ def _open_pairs(points: PointSprings, springs: Matrix, between: Condensed) -> He
         return None
     try:
         return anchored_pairs(points, springs, between.compliance_for_steps)
-    except LinAlgError:  # nothing but the points holds a part
+    except LinAlgError:  # the points alone hold a part
         return None
 
 

@@ -56,7 +56,7 @@ class SaddlePoints:
                 return gaps
             answers = pressing(np.hstack([gaps, -seen]))
             alone, shared = np.split(answers, [gaps.shape[1]], axis=1)
-            # By Woodbury: forces that X C Xᵀ takes up.
+            # By Woodbury: forces due to X C Xᵀ.
             system = np.eye(len(core)) + core @ (seen.T @ shared)
             return alone - shared @ np.linalg.solve(system, core @ (seen.T @ alone))
 

@@ -183,7 +183,7 @@ class SparsePairs:
         """Return factors for springs K, formed anew unless they are the latest."""
         latest = self._latest.formed
         if latest is None or not np.array_equal(latest.K, K):
-            latest = self._latest.formed = None  # before others take as much memory
+            latest = self._latest.formed = None  # before new ones take as much memory
             springs = self.points.between_pairs(K)
             factor = self._factorized(springs)
         elif latest.across is self.across:
@@ -202,7 +202,7 @@ class SparsePairs:
         """
         try:
             return self.structure.on_springs(springs, np.float32)
-        except NotDefiniteError:  # but for digits
+        except NotDefiniteError:  # up to round-off
             pass
         try:
             return self.structure.on_springs(springs)

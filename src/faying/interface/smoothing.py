@@ -21,7 +21,7 @@ def smoothing(interface: Interface, nodes: Matrix) -> SparseMatrix:
     faces = [(f.kind, facet_columns(interface.pairs, f.minus, f.plus)) for f in interface.faces]
     average = interface.averaging
     if interface.quadrature == "nodal":
-        # With nodal points an average is the value itself, so Gauss points come in between.
+        # With nodal points an average would be the value itself: Gauss points are averaged instead.
         shape, weights = _at_gauss_points(interface, faces, nodes)
         average = averaging_operator(shape, weights, faces) @ shape @ average
     return (interface.point_shape @ average).tocsr()

@@ -64,7 +64,7 @@ def read_scan(path: Path | str) -> Scan:
             columns, kind = _read_lines(path)
     except FormatError:
         raise
-    except Exception as error:  # NumPy and zipfile raise whatever a damaged archive meets
+    except Exception as error:  # NumPy and zipfile raise various errors for damaged archives
         message = f"{path}: the scan cannot be read ({error})"
         raise FormatError(message) from None
     there = np.isfinite(columns.sum(axis=1))

@@ -138,7 +138,7 @@ def _held_pairs(model: Model) -> Mapping[str, Indices]:
     pairs = np.concatenate([np.empty((0, 2), np.int64), *touching])
     pairs = pairs[free[pairs].any(axis=1)]
     labels = model.assembly.mesh.bodies[pairs]
-    names = [*body_names(model.assembly.mesh), "other parts"]  # label -1 is of no solid
+    names = [*body_names(model.assembly.mesh), "other parts"]  # label -1 is no solid
     return {
         "-".join(names[label] for label in both): _distant_pairs(
             model.assembly.mesh.nodes, pairs[(labels == both).all(axis=1)]

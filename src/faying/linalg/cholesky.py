@@ -66,7 +66,7 @@ def inverse(
 
     With ``overwrite`` the matrix is destroyed.
     """
-    # LAPACK works in column order: of a symmetric matrix the transpose is the same.
+    # LAPACK works in column order; the transpose of a symmetric matrix is the same.
     factorize, invert = la.get_lapack_funcs(("potrf", "potri"), (matrix,))
     lower, failed = factorize(matrix.T, lower=1, clean=0, overwrite_a=overwrite)
     pivots = np.diag(lower)

@@ -124,8 +124,8 @@ class PardisoHandle:
             # Scaled and matched, for zeros on the diagonal of constraints; not of blocks.
             parameters[[10, 12]] = int(self.block == 1)
         parameters[27] = int(data.dtype == np.float32)
-        # In two levels, for the analysis in one reads past an array of MKL 2026 where a border is
-        # marked, 4 (n - border) bytes, and dies where a page ends in them.
+        # In two levels, because with a marked border the one-level analysis of MKL 2026 reads
+        # 4 (n - border) bytes past an array, and crashes at the end of a page.
         parameters[23] = 1 if border else 0
         parameters[34] = 1  # indices from zero
         parameters[35] = 1 if border else 0  # the Schur complement onto the marked rows

@@ -45,7 +45,7 @@ class PardisoFactorization:
     _turn: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        # At exit the system takes the memory back anyway, and MKL's threads may be gone.
+        # At exit the system frees the memory anyway, and MKL's threads may be gone.
         weakref.finalize(self, self.handle.release).atexit = False
 
     @property

@@ -88,7 +88,7 @@ def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
     # A grounded spring at one node resists by its stiffness over that of the elements there.
     whole = motions @ ways[size < ROUND_OFF].T
     left, seen, _ = np.linalg.svd(whole, full_matrices=False)
-    # Where all are, round-off is left of them: what counts is seen over motions of the structure.
+    # If all are zero, round-off remains; it is compared with motions of the structure.
     return left[:, seen > SOLVED * np.linalg.norm(motions)]
 
 
@@ -186,7 +186,7 @@ def _independent_motions(points: Matrix, components: Indices) -> Matrix:
     left, size, _ = np.linalg.svd(
         motions / np.where(lengths > 0, lengths, 1.0), full_matrices=False
     )
-    # Turns about a line that all nodes lie on are none.
+    # Rotations about a line through all nodes vanish.
     return left[:, size > SOLVED * size[0]]
 
 

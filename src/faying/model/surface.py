@@ -163,7 +163,7 @@ def facet_centres(nodes: Matrix, facets: Facets) -> Matrix:
 def facet_area_vectors(nodes: Matrix, facets: Facets) -> Matrix:
     """Return the area vectors (n_facet, 3) [length²] spanned by the corners of facets."""
     corners = nodes[facets.corners]
-    # Half the cross product of the diagonals; with the last corner repeated it is the triangle's.
+    # Half the cross product of the diagonals, also for triangles, whose last corner is repeated.
     return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
 
 

@@ -325,7 +325,7 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
         interpolation.shape[0] != ends[-1]
     ):
         refuse_value(f"the interfaces have {ends[-1]} points, {group.name} does not")
-    stated: dict[str, Any] = {}  # files of earlier versions state less
+    stated: dict[str, Any] = {}  # files of earlier versions contain less
     if "dense_budget" in group:
         stated["dense_budget"] = int(numbers(group, "dense_budget", (), np.int64))
     if "shear" in group:

@@ -165,7 +165,7 @@ def move(
             missing[a] -= values[p, j] * moved[columns[p, j]]
     try:
         forces = np.linalg.solve(core, missing)
-    except Exception:  # all that numba can tell
+    except Exception:  # the only check in numba
         return False
     for a in range(n):
         moved += forces[a] * met.seen[met.slots[changed[a]]]
@@ -301,7 +301,7 @@ def advance(
             guess[i] = 2 * now - (last[i] if step else now) < 0
             last[i] = now
         histories.systems[step] = count
-        # What the changed points of this step cost; they may stay what they are for long.
+        # Cost of the changed points of this step, which may stay changed for long.
         spent += len(changed) * (len(changed) ** 2 + 2 * n_pair)
         if spent > renewal:
             return step + 1

@@ -103,7 +103,7 @@ def follow_local(
     for number in range(n):
         before = number - period
         if before >= 0:
-            # One period is like the other, but for what guesses tell apart.
+            # Periods are alike, except for their guesses.
             starts = [solved[before] + guess[number] - guess[before] for guess in begun]
             starts, off = starts or [solved[before]], factors[before] or off
         else:

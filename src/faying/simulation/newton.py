@@ -119,7 +119,7 @@ def _solve_hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         right = np.concatenate([external, scale * contact.initial_gap[active]])
         try:
             factors = spla.splu(saddle)
-        except RuntimeError:  # how SuperLU says that a pivot is zero
+        except RuntimeError:  # SuperLU's error for a zero pivot
             raise ConvergenceError(_dependent_gaps_message(int(active.sum()))) from None
         solution = factors.solve(right)
         solution += factors.solve(right - saddle @ solution)  # the gaps cancel many digits

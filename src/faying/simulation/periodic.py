@@ -88,7 +88,7 @@ class ModalLoads:
         moved = np.column_stack(columns)
         restrained = stuck.restrained(moved)
         answers = np.concatenate(outputs) - moved.T @ stuck.held_back(restrained[:, :n])
-        # Exchange a, so far given, for the q that it makes.
+        # Exchange the given a for the resulting q.
         shape = slice(2, 2 + rest.n_mode)
         root = la.cholesky(answers[shape, shape], lower=True)
         unit = la.solve_triangular(root, np.eye(len(root)), lower=True)

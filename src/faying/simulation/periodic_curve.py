@@ -198,7 +198,7 @@ def trace(
     not given; ``progress`` is called with 1 after each frequency.
     """
     points, missed = list[CurvePoint](), list[str]()
-    # Where no motion is found, the next frequency is tried from the linear one.
+    # Without a solution, the next frequency is tried from the linear motion.
     point: CurvePoint | None = None
     for number, target in enumerate((2 * np.pi * frequencies).tolist()):
         try:
@@ -206,7 +206,7 @@ def trace(
                 passed = [first or _started(problem, starts, target)]
             else:
                 passed = _onward(point, target)
-            # The last one alone leads on.
+            # Only the last point starts the next one.
             points = [*map(CurvePoint.behind, [*points, *passed[:-1]]), passed[-1]]
             point = passed[-1]
         except ConvergenceError as error:
@@ -300,7 +300,7 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
         points.append(solved.behind())
         reach = min(1.0, 2 * reach if off < LARGEST_BEND / 4 else reach)
         onward = solved.tangent()
-        # The curve goes on the way it came: past a turning point the frequency turns back.
+        # The curve continues in its direction: past a turning point the frequency falls.
         same = float((scale**2 * direction) @ onward)
         direction, point = onward if same > 0 else -onward, solved
     message = f"more than {MOST_POINTS} points before the next frequency"

@@ -70,7 +70,7 @@ class StuckRest:
             for _ in range(2):
                 moved = moved - W @ (W.T @ (M @ moved))
             mass, ways = la.eigh(moved.T @ (M @ moved))
-            apart = mass > ROUND_OFF  # of directions that depend on each other no more is left
+            apart = mass > ROUND_OFF  # dependent directions leave no more
             moved = moved @ (ways[:, apart] / np.sqrt(mass[apart]))
             forces, W = M @ moved, np.column_stack([W, moved])
         return cls(

@@ -65,7 +65,7 @@ def _average(
     nodes, weights = assembly.mesh.nodes[coupling.nodes], coupling.weights
     centre = weights @ nodes / weights.sum()
     arms, to_reference = nodes - centre, assembly.mesh.nodes[coupling.reference] - centre
-    # Rotations are counted as displacements at this distance.
+    # Rotations count as displacements at this distance.
     # Corners of quadratic faces have negative weights.
     size = float(np.sqrt(np.abs(weights) @ np.sum(arms**2, axis=1) / weights.sum())) or 1.0
     distance = float(np.linalg.norm(arms - to_reference, axis=1).mean()) or 1.0
