@@ -1,22 +1,131 @@
-"""The contact flexibility H, factorized for certificates; a singular H with its range.
+"""The contact flexibility H as certificates use it: by pairs, dense, or singular with its range.
 
 Equation numbers (C…) are from ``docs/theory/certificate.md``.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import scipy.linalg as la
+import scipy.sparse as sp
 
-from faying._typing import Matrix, Vector
+from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.digits import ROUND_OFF, SOLVED
+from faying.exceptions import refuse_model
+from faying.joint.system import Joint
+from faying.linalg.budget import pairs_fit
+from faying.linalg.cholesky import inverse
+from faying.linalg.pieces import pieces
+
+
+class Flexibility(Protocol):
+    """H and what certificates ask of it."""
+
+    @property
+    def unique(self) -> bool:
+        """Whether H is definite, so that gaps determine the force at each point."""
+        ...
+
+    @property
+    def point_norms(self) -> Vector:
+        """√((H⁺)_kk) (n_point,) [√(force/length)], infinite where a point's force is not unique."""
+        ...
+
+    def times(self, forces: Matrix) -> Matrix:
+        """Return x H (..., n_point) [length] of forces (..., n_point)."""
+        ...
+
+    def solve(self, gaps: Matrix) -> Matrix:
+        """Return x H⁺ (..., n_point) [force] of gaps (..., n_point)."""
+        ...
+
+    def energy(self, gaps: Matrix) -> Vector:
+        """Return xᵀ H⁺ x (...) [force·length] of gaps (..., n_point)."""
+        ...
+
+    def norms(self, functionals: Matrix) -> Vector:
+        """Return √(ℓᵀ H⁺ ℓ) (k,) for force functionals ℓ (k, n_point); infinite off the range."""
+        ...
+
+    def admissible(self, slack: Matrix, forces: Matrix) -> tuple[Matrix, Matrix]:
+        """Return z ≥ 0 near ``forces``, s − z in the range of H, and whether it exists (...)."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Flexibility:
-    """H = (T Tᵀ)⁺ in the form that certificates use.
+class ElasticFlexibility:
+    """H = N S Nᵀ + D of points that all yield, by the pairs beneath them.
+
+    With the stiffness Σ = S⁻¹ between pairs, H⁻¹ = D⁻¹ − D⁻¹ N (Σ + Nᵀ D⁻¹ N)⁻¹ Nᵀ D⁻¹.
+
+    Attributes
+    ----------
+    N : (n_point, n_relative)
+    compliance : (n_relative, n_relative) [length/force]
+        S.
+    stiffness : (n_relative, n_relative) [force/length]
+        Σ.
+    yields : (n_point,) [length/force]
+        D.
+    """
+
+    N: SparseMatrix
+    compliance: Matrix
+    stiffness: Matrix
+    yields: Vector
+
+    @property
+    def unique(self) -> bool:
+        """Whether H is definite: points that yield always make it so."""
+        return True
+
+    @cached_property
+    def held(self) -> Matrix:
+        """(Σ + Nᵀ D⁻¹ N)⁻¹ (n_relative, n_relative) [length/force]."""
+        springs = self.N.T @ sp.diags_array(1.0 / self.yields) @ self.N
+        return inverse(np.asarray(self.stiffness + springs.toarray()), overwrite=True)
+
+    @cached_property
+    def point_norms(self) -> Vector:
+        """√((H⁻¹)_kk) (n_point,) [√(force/length)]."""
+        shares = np.empty_like(self.yields)
+        for rows in pieces(len(shares), self.N.shape[1]):
+            part = self.N[rows]
+            shares[rows] = part.multiply(part @ self.held).sum(axis=1)
+        return np.asarray(np.sqrt(np.maximum(1.0 - shares / self.yields, 0.0) / self.yields))
+
+    def times(self, forces: Matrix) -> Matrix:
+        """Return x H (..., n_point) [length] of forces (..., n_point)."""
+        return self._through(self.compliance, forces) + self.yields * forces
+
+    def solve(self, gaps: Matrix) -> Matrix:
+        """Return x H⁻¹ (..., n_point) [force] of gaps (..., n_point)."""
+        return (gaps - self._through(self.held, gaps / self.yields)) / self.yields
+
+    def energy(self, gaps: Matrix) -> Vector:
+        """Return xᵀ H⁻¹ x (...) [force·length] of gaps (..., n_point)."""
+        return np.asarray(np.maximum((gaps * self.solve(gaps)).sum(axis=-1), 0.0))
+
+    def norms(self, functionals: Matrix) -> Vector:
+        """Return √(ℓᵀ H⁻¹ ℓ) (k,) for force functionals ℓ (k, n_point)."""
+        return np.sqrt(self.energy(functionals))
+
+    def admissible(self, slack: Matrix, forces: Matrix) -> tuple[Matrix, Matrix]:  # noqa: ARG002
+        """Return ``forces`` and that they are admissible: H has full range."""
+        return forces, np.ones(forces.shape[:-1], dtype=bool)
+
+    def _through(self, between: Matrix, rows: Matrix) -> Matrix:
+        """Return x N B Nᵀ (..., n_point) of rows (..., n_point)."""
+        columns = rows.reshape(-1, rows.shape[-1]).T
+        return np.asarray((self.N @ (between @ (self.N.T @ columns))).T.reshape(rows.shape))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DenseFlexibility:
+    """H = (T Tᵀ)⁺ between points of which some may be hard.
 
     Attributes
     ----------
@@ -31,17 +140,26 @@ class Flexibility:
     half_inverse: Matrix
     range_basis: Matrix | None
 
-    def half(self, gaps: Matrix, *, back: bool = False) -> Matrix:
-        """Return x T (..., rank), whose square is xᵀ H⁺ x; with ``back`` x Tᵀ (..., n_point)."""
-        if self.range_basis is not None:
-            return np.asarray(gaps @ (self.half_inverse.T if back else self.half_inverse))
-        columns = gaps.reshape(-1, gaps.shape[-1]).T
-        product = la.blas.dtrmm(1.0, self.half_inverse.T, columns, lower=1, trans_a=back)
-        return np.asarray(product.T.reshape(gaps.shape))
+    @property
+    def unique(self) -> bool:
+        """Whether H is definite."""
+        return self.range_basis is None
+
+    def times(self, forces: Matrix) -> Matrix:
+        """Return x H (..., n_point) [length] of forces (..., n_point)."""
+        return np.asarray(forces @ self.H)
+
+    def solve(self, gaps: Matrix) -> Matrix:
+        """Return x H⁺ (..., n_point) [force] of gaps (..., n_point)."""
+        return np.asarray((gaps @ self.half_inverse) @ self.half_inverse.T)
+
+    def energy(self, gaps: Matrix) -> Vector:
+        """Return xᵀ H⁺ x (...) [force·length] of gaps (..., n_point)."""
+        return np.asarray(((gaps @ self.half_inverse) ** 2).sum(axis=-1))
 
     def norms(self, functionals: Matrix) -> Vector:
         """Return √(ℓᵀ H⁺ ℓ) (k,) for force functionals ℓ (k, n_point); infinite off the range."""
-        norms = np.linalg.norm(self.half(functionals), axis=-1)
+        norms = np.sqrt(self.energy(functionals))
         missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
         return np.where(missed > SOLVED * np.linalg.norm(functionals, axis=-1), np.inf, norms)
 
@@ -76,7 +194,38 @@ class Flexibility:
         return np.maximum(lifted, 0.0), possible
 
 
-def flexibility(H: Matrix) -> Flexibility:
+def joint_flexibility(joint: Joint) -> Flexibility:
+    """Return H of the static contact problem of a joint without friction.
+
+    Raises
+    ------
+    ModelError
+        If the matrices exceed the dense budget, or the joint has friction.
+
+    Notes
+    -----
+    One inverse of n_relative³ multiplications where all points yield; else :func:`flexibility`.
+    """
+    contact, problem = joint.contact, joint.static_contact
+    if not contact.yields:
+        return flexibility(problem.flexibility)
+    contact.check_frictionless()
+    n_relative = contact.relative_operator.shape[0]
+    if not pairs_fit(n_relative, contact.dense_budget):
+        refuse_model(
+            f"dense matrices between {n_relative} relative displacements exceed the dense budget "
+            f"of {contact.dense_budget:.2g} bytes, and certificates need them; use a coarser "
+            "interface, or raise the budget with model.with_dense_budget"
+        )
+    return ElasticFlexibility(
+        N=contact.interpolation,
+        compliance=problem.between.compliance,
+        stiffness=problem.between.stiffness,
+        yields=contact.flexibility,
+    )
+
+
+def flexibility(H: Matrix) -> DenseFlexibility:
     """Factorize H for certificates: Cholesky, or the eigenvectors of a singular one.
 
     Notes
@@ -94,8 +243,8 @@ def flexibility(H: Matrix) -> Flexibility:
         definite = False
     if definite:
         inverse, _ = la.lapack.dtrtri(factor, lower=1)
-        return Flexibility(H=H, half_inverse=inverse.T, range_basis=None)
+        return DenseFlexibility(H=H, half_inverse=inverse.T, range_basis=None)
     values, vectors = la.eigh(H)
     positive = values > ROUND_OFF * values[-1]
     basis = vectors[:, positive]
-    return Flexibility(H=H, half_inverse=basis / np.sqrt(values[positive]), range_basis=basis)
+    return DenseFlexibility(H=H, half_inverse=basis / np.sqrt(values[positive]), range_basis=basis)

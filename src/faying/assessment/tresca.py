@@ -133,7 +133,7 @@ def tresca_gap(
     Notes ----- y as in (C20): zero where a point is closed or sticks, else the part of z that opens
     it, or slides it against its force, so that the first two sums of (C19) vanish.
     """
-    if flexibility.range_basis is not None:
+    if not flexibility.unique:
         return np.full(len(forces), np.inf)
     y = np.zeros_like(slack)
     y[:, 0] = np.where(forces[:, 0] > 0, 0.0, np.maximum(slack[:, 0], 0.0))
@@ -148,4 +148,4 @@ def tresca_gap(
     work += (forces * y).sum(axis=(1, 2))
     left = slack - y
     used = np.concatenate([left[:, 0], left[:, 1][:, rubbing], left[:, 2][:, rubbing]], axis=1)
-    return np.asarray(np.maximum(work, 0.0) + 0.5 * (flexibility.half(used) ** 2).sum(axis=-1))
+    return np.asarray(np.maximum(work, 0.0) + 0.5 * flexibility.energy(used))
