@@ -236,8 +236,9 @@ def _sliding(
         for case, reserve in reserves.items()
         if reserve.gross_slip is not None and reserve.slides == check.part
     }
-    if factors:
-        return _least_factor(check, factors, demands)
+    slid = _least_factor(check, factors, demands) if factors else check
+    if slid.outcome == "not met":
+        return slid
     followed = {
         case: reserve.largest if reserve.gross_slip is None else reserve.gross_slip
         for case, reserve in reserves.items()

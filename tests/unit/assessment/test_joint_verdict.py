@@ -112,6 +112,24 @@ def test_sliding_is_judged_by_the_load_that_was_followed(joint, changes, outcome
     assert sliding.reason.startswith("it holds up to 0.5 times bend") == (outcome == "unknown")
 
 
+@pytest.mark.parametrize(
+    ("other", "outcome"),
+    [
+        ({"largest": 0.5, "stopped": True}, "unknown"),
+        ({"gross_slip": 0.5, "slides": "another"}, "unknown"),
+        ({"gross_slip": 0.5, "slides": "joint"}, "not met"),
+        ({}, "met"),
+    ],
+)
+def test_a_case_that_slides_late_hides_none_that_was_not_followed(joint, other, outcome):
+    """Sliding at 3 times the load of one case met the check, whatever became of the others."""
+    found, _ = judged(joint, paths=False)
+    paths = {"late": reserve(gross_slip=3.0, slides="joint"), "bend": reserve(**other)}
+    checks = joint_checks(found, UNITS, paths)
+    (sliding,) = (one for one in checks if one.quantity == "sliding")
+    assert sliding.outcome == outcome
+
+
 @pytest.mark.parametrize(("limit", "outcome"), [(1.2, "met"), (2.0, "not met")])
 def test_slip_safety_of_a_joint_without_bolts_is_demanded_of_its_path(joint, limit, outcome):
     """A press fit that was to reach 2 and reached 1.75 was said to hold."""
