@@ -233,7 +233,7 @@ def _check(parameters: Sequence[Parameter], measured: Sequence[MeasuredCurve]) -
         for name, column in columns:
             if column is not None and getattr(test, f"{name}_scatter") is None:
                 wrong.append(
-                    f"curve '{test.name}' says nothing of how its {name} scatters; give "
+                    f"curve '{test.name}' has no scatter of its {name}; give "
                     f"{name}_scatter, the standard deviation of a measurement over its value"
                 )
     if wrong:

@@ -128,7 +128,7 @@ def _local_slip(
         if around < limit <= over_all:
             reason = (
                 f"S_G {around:.2f} around it in {case}, {over_all:.2f} of the interface: "
-                "what slips there others carry, which friction of the interface would tell"
+                "its load moves to other bolts, which a friction law of the interface would show"
             )
             yield Check(part=name, kind="bolt", quantity=f"slip at {place}", reason=reason)
 

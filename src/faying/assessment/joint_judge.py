@@ -48,7 +48,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST, solve_static_cases
 from faying.units import units_of
 
-UNTOLD = "the file does not tell what is carried along it; reduce the study again"
+UNTOLD = "the file has no tangential forces along it; reduce the study again"
 """Reason for unknown slip by sums with files of earlier versions."""
 
 

@@ -23,8 +23,8 @@ from faying.joint.system import elongations
 from faying.model.bolt import Bolt
 from faying.model.links import connected_parts
 
-CURVED = "it is curved, and forces along it have no resultant that could be compared"
-"""Why nothing is told of an area that presses in several directions."""
+CURVED = "it is curved, and its tangential forces have no resultant along one plane"
+"""Reason for unknown resultants of an area with several normals."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -244,14 +244,14 @@ def _reason_unknown(model: Model, name: str, pierced: Mapping[str, float], label
     stuck = model.stuck.get(name)
     sticks = stuck is not None and bool(stuck.any())
     if sticks and not model.stuck_stiffness:
-        return "how stiffly its pairs stick is not told"
+        return "the stiffness of its sticking pairs is unknown"
     contained = [bolt for bolt, port in model.bolts.items() if port.shank is None]
     if contained:
-        return f"bolt '{contained[0]}' is part of given matrices, so that what it carries is unseen"
+        return f"bolt '{contained[0]}' is part of given matrices, which hide its lateral force"
     if not sticks and _held_elsewhere(model, name, pierced, labels):
         return (
             "its sides are held together elsewhere too, by supports, ties or other interfaces, and "
-            "nothing sticks that would tell its share"
+            "no pairs stick, so that its share is unknown"
         )
     return ""
 

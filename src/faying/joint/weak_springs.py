@@ -31,9 +31,9 @@ then need more Newton steps; with 1e-7 one was not solved (``docs/how-to/get_a_m
 """
 
 NOTHING_ELASTIC = (
-    "weak springs: what they would hold is rigid, or fixed, at the contact, and nothing tells how "
-    "stiff it is; give the stiffness of a spring [force/length] as a number, far below what "
-    "contact and the rest of the structure resist with"
+    "weak springs: the bodies are rigid, or fixed, at the contact, so that there is no elastic "
+    "stiffness to scale the springs by; give the stiffness of a spring [force/length] as a number, "
+    "far below that of contact and the rest of the structure"
 )
 
 

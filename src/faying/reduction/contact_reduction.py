@@ -90,8 +90,8 @@ class ReducedContact:
     def loosened(self, springs: ForcedSprings) -> NoReturn:  # noqa: ARG002
         """Refuse: bolts are tightened in the whole model."""
         message = (
-            "a reduced set of contact forces (DEIM, force bases) does not tell the initial forces "
-            "of bolts; tighten the model that it was made of"
+            "a reduced set of contact forces (DEIM, force bases) does not give the initial forces "
+            "of bolts; tighten the whole model"
         )
         raise ModelError(message)
 
@@ -100,7 +100,7 @@ class ReducedContact:
         """Refuse: forces of a reduced set do not solve the contact between pairs."""
         message = (
             "contact forces of a reduced set (DEIM, force bases) do not solve the contact between "
-            "pairs, which is asked for here; take another method"
+            "pairs, which is needed here; take another method"
         )
         raise ModelError(message)
 

@@ -234,8 +234,8 @@ class Solution(ContactFields, Shown):
         bolt_of_name = self._bolt(bolt)
         if bolt_of_name.bending is None:
             refuse_model(
-                f"bending of bolt '{bolt}' is not known: it is no beam, or came with a file that "
-                "does not tell; model its shank by beams with bending stiffness"
+                f"bending of bolt '{bolt}' is not known: it has no beams, or its file does not "
+                "contain it; model its shank by beams with bending stiffness"
             )
         moments = self._told_by(bolt_of_name.bending, bolt_of_name.residual_bending)
         return moments.reshape(*moments.shape[:-1], 2, 2)

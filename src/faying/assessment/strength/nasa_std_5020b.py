@@ -227,7 +227,7 @@ def _combined_check(
     crossed = [demand for (_, name), demand in sheared.items() if name == bolt]
     unknown = [demand.unknown for demand in crossed if demand.unknown]
     if unknown or not crossed:
-        reason = unknown[0] if unknown else "the shear of the bolt is not told from the others'"
+        reason = unknown[0] if unknown else "the shear of the bolt is not known separately"
         return replace(check, reason=reason)
     area = thread.minor_area if threaded else np.pi / 4 * thread.diameter**2
     tensions = np.asarray(factored.solution.bolt_force(bolt))[1:]
