@@ -18,7 +18,7 @@ from faying._typing import Matrix
 from faying.display.facts import listed
 from faying.exceptions import CampaignError, FayingError
 from faying.execution.checkpoint import Arrays, Bundles, Checkpoint
-from faying.execution.executor import Executor, LostTasksError, Prepare, SerialExecutor
+from faying.execution.executor import Executor, Prepare, SerialExecutor
 from faying.execution.processes import pickled
 
 
@@ -192,16 +192,12 @@ def _outcomes(
     ]
     results = executor.map(partial(_prepare_safely, prepare, __version__), sent)
     with closing(results):
-        try:
-            for number, outcomes in results:
-                for name, outcome in zip(names[number], outcomes, strict=True):
-                    if isinstance(outcome, Failure) and outcome.preparing:
-                        raise _error(outcome, "")
-                    yield name, outcome
-        except LostTasksError as error:
-            for number in error.places:
-                for name in names[number]:
-                    yield name, _lost(len(todo[number]))
+        for number, outcomes in results:
+            lost = [_lost(len(todo[number]))] * len(names[number])
+            for name, outcome in zip(names[number], outcomes or lost, strict=True):
+                if isinstance(outcome, Failure) and outcome.preparing:
+                    raise _error(outcome, "")
+                yield name, outcome
 
 
 def _lost(n_together: int) -> Failure:

@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import Function, LostTasksError, Prepare, Results, results_of
+from faying.execution.executor import Function, Prepare, Results, results_of
 from faying.files.child_python import STARTUP_SECONDS
 from faying.iterations import RETRIES
 
@@ -120,12 +120,13 @@ class DaskExecutor:
         submit = partial(pool.submit, compute, sent, hashlib.sha256(payload).hexdigest())
         death = _package().KilledWorker
         tried = partial(results_of, submit, tasks, death=death, watch=self._watch)
-        self._seen, lost = perf_counter(), list[int]()
+        self._seen = perf_counter()
         try:
             suspects = yield from tried(range(len(tasks)), together=len(tasks))
             # Dask blames all tasks of a dead worker, so each suspect is tried alone.
-            for task in suspects if len(suspects) > 1 else ():
-                lost += yield from tried([task], together=1)
+            for task in suspects:
+                if len(suspects) == 1 or (yield from tried([task], together=1)):
+                    yield task, None
         except ModuleNotFoundError as error:
             message = f"a Dask worker lacks a package: {error}; install the same packages on all"
             raise CampaignError(message) from None
@@ -135,8 +136,6 @@ class DaskExecutor:
                 "look at its scheduler's log and resume"
             )
             raise CampaignError(message) from None
-        if lost or len(suspects) == 1:
-            raise LostTasksError(lost or suspects)
 
     def _watch(self) -> float:
         """Return the seconds to wait; raise if all local workers have died."""

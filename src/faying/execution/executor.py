@@ -6,9 +6,6 @@ from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from faying.exceptions import CampaignError
-from faying.iterations import RETRIES
-
 Function = Callable[[Any], Any]
 """Function from a task to its result; both can be pickled."""
 
@@ -20,7 +17,8 @@ it returns is not, so that this may hold factorizations.
 """
 
 Results = Generator[tuple[int, Any], None, None]
-"""Indices of tasks and their results; closing the generator ends running tasks."""
+"""Indices of tasks and their results, None at last for a task that killed several workers;
+closing the generator ends running tasks."""
 
 
 class Executor(Protocol):
@@ -42,8 +40,6 @@ class Executor(Protocol):
 
         Raises
         ------
-        LostTasksError
-            After all other results, for tasks that killed several workers.
         CampaignError
             If no worker is available.
         Exception
@@ -84,25 +80,6 @@ def results_of(
         for future in running:
             future.cancel()
     return sorted(suspects)
-
-
-class LostTasksError(CampaignError):
-    """Error for tasks that killed every worker.
-
-    Attributes
-    ----------
-    places
-        Indices of the tasks.
-    """
-
-    def __init__(self, places: Sequence[int]) -> None:
-        self.places = tuple(places)
-        shown = ", ".join(str(task + 1) for task in self.places)
-        message = (
-            f"every worker that tried task number {shown} died, at least {RETRIES}; a worker "
-            "dies without a message where memory runs out: give each more memory"
-        )
-        super().__init__(message)
 
 
 @dataclass(frozen=True)

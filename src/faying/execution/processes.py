@@ -14,7 +14,7 @@ from threading import Thread
 from typing import Any
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import Function, LostTasksError, Prepare, Results, results_of
+from faying.execution.executor import Function, Prepare, Results, results_of
 from faying.iterations import RETRIES
 from faying.linalg.threads import limit_threads
 
@@ -54,7 +54,6 @@ class ProcessExecutor:
         The death of a process ends its whole pool. Tasks that ran in it are computed
         again at the end, each alone, so that only tasks that kill a process alone are given up.
         """
-        lost = list[int]()
         with closing(_Workers(pickled(prepare), self.threads)) as workers:
             tried = partial(results_of, workers.submit, tasks, death=BrokenProcessPool)
             workers.count = min(self.n_workers, len(tasks))
@@ -64,9 +63,8 @@ class ProcessExecutor:
                 deaths = 1
                 while deaths < RETRIES and (yield from tried([task], together=1)):
                     deaths += 1
-                lost += [task] * (deaths == RETRIES)
-        if lost:
-            raise LostTasksError(lost)
+                if deaths == RETRIES:
+                    yield task, None
 
 
 class _Workers:

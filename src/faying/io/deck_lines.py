@@ -109,18 +109,12 @@ class LineTexts(Sequence[bytes]):
 
 def split_lines(data: bytes) -> LineTexts:
     """Split text into lines that end with a line feed, a carriage return, or both."""
-    data = with_usual_ends(data)
+    if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     parts = list(line_places(data))
     begin = np.concatenate([np.empty(0, dtype=np.int64), *(begin for begin, _ in parts)])
     end = np.concatenate([np.empty(0, dtype=np.int64), *(end for _, end in parts)])
     return LineTexts(data, begin, end)
-
-
-def with_usual_ends(data: bytes) -> bytes:
-    """Return text with line feeds in place of lone carriage returns."""
-    if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
-        return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return data
 
 
 def line_places(data: bytes) -> Iterator[tuple[Indices, Indices]]:

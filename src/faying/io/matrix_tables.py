@@ -109,7 +109,7 @@ def read_market(path: Path, name: str) -> LabelledMatrix:
     with path.open("rb") as file:
         heading = file.read(14)
     if heading == b"%%MatrixMarket":
-        return LabelledMatrix(matrix=read_market_matrix(path, f"matrix {name}"))
+        return LabelledMatrix(matrix=_by_scipy(_MARKET, path, f"matrix {name}")[""])
     from faying.io.abaqus.matrices import read_abaqus_matrix
 
     return read_abaqus_matrix(path, name)
@@ -117,7 +117,7 @@ def read_market(path: Path, name: str) -> LabelledMatrix:
 
 def read_matlab(path: Path, name: str) -> LabelledMatrix:
     """Read a MATLAB file up to version 7; from 7.3 on it is HDF5 and refused."""
-    matrices = read_matlab_matrices(path, f"matrix {name}")
+    matrices = _by_scipy(_MATLAB, path, f"matrix {name}")
     return LabelledMatrix(matrix=_chosen(matrices, path, name))
 
 
@@ -170,19 +170,6 @@ numbers = {
 }
 matrices = {name: value for name, value in numbers.items() if min(value.shape) > 1} or numbers
 """
-
-
-def read_market_matrix(path: Path, what: str) -> SparseMatrix:
-    """Read a real matrix in coordinate or array format."""
-    return _by_scipy(_MARKET, path, what)[""]
-
-
-def read_matlab_matrices(path: Path, what: str) -> dict[str, SparseMatrix]:
-    """Read the matrices of a MATLAB file up to version 7, else its vectors and numbers.
-
-    Variables of other classes are left out.
-    """
-    return _by_scipy(_MATLAB, path, what)
 
 
 def _by_scipy(script: str, path: Path, what: str) -> dict[str, SparseMatrix]:

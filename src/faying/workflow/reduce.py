@@ -21,7 +21,6 @@ from faying.study.results.mode_choice import mode_sentences
 from faying.study.stages.books import Books, ProgressBar
 from faying.study.stages.normal_modes import normal_modes_of
 from faying.study.stages.offline import (
-    PreparedJoint,
     build_bases,
     choose_counts,
     prepare_joint,
@@ -99,15 +98,11 @@ def reduce_study(
                 "study": text,
                 "study_sha256": hashlib.sha256(text.encode()).hexdigest(),
                 "factorization": joint.model.structure.interior_factor.backend,
-                **_tightened(joint),
+                # Initial bolt forces, increment by increment.
+                PRELOAD_PATH: json.dumps([dict(load.bolt_forces) for load in joint.preload_path]),
             },
         )
     return rom
-
-
-def _tightened(joint: PreparedJoint) -> dict[str, str]:
-    """Return the tightening path for the file: initial bolt forces, increment by increment."""
-    return {PRELOAD_PATH: json.dumps([dict(load.bolt_forces) for load in joint.preload_path])}
 
 
 def _method(name: str) -> Method:

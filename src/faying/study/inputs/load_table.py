@@ -97,7 +97,8 @@ def read_load_table(path: Path) -> LoadTable:
 
 def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
     """Return the inputs (n_row, n_input) of the static cases of a table."""
-    targets = known_columns(joint)
+    factors = [FACTOR, *(f"{FACTOR}.{name}" for name in joint.bolts)] if joint.bolts else []
+    targets = [*force_columns(joint), *factors]
     wrong = [
         f"no column '{name}'; {nearest(name, targets)}"
         for name in table.columns
@@ -130,12 +131,6 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
             bolt = bolts.index(name.removeprefix(f"{FACTOR}."))
             inputs[:, n_boundary + bolt] = values * locked[bolt]
     return inputs
-
-
-def known_columns(joint: Joint) -> list[str]:
-    """Return the names of all columns that a load table for a joint may have."""
-    factors = [FACTOR, *(f"{FACTOR}.{name}" for name in joint.bolts)] if joint.bolts else []
-    return [*force_columns(joint), *factors]
 
 
 def force_columns(joint: Joint) -> list[str]:

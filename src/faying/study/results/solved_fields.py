@@ -80,12 +80,9 @@ class RecoveredRecord:
     @property
     def tractions(self) -> dict[str, Matrix]:
         """Magnitudes of tractions (n_time, n_point) [force/length²]; empty without friction."""
-        vectors = {"traction": self.traction}
-        return {
-            name: np.linalg.norm(value, axis=-1)
-            for name, value in vectors.items()
-            if value is not None
-        }
+        if self.traction is None:
+            return {}
+        return {"traction": np.linalg.norm(self.traction, axis=-1)}
 
 
 SOLVED = Format(

@@ -1,7 +1,7 @@
 """Load cases of a run, solved by the full model and every reduced model, and compared."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -53,7 +53,8 @@ class CaseRunner:
 
     ``classic`` is the classic basis of the study's methods. ``built`` is the reduced model with
     inertia at the interface, where a transient needs it and the study does not name it;
-    ``docs/theory/transient_accuracy.md`` describes when.
+    ``docs/theory/transient_accuracy.md`` describes when. Runners keep preloaded states by model
+    label, and the increments of the full model by load case for slip reserves.
     """
 
     joint: PreparedJoint
@@ -62,6 +63,8 @@ class CaseRunner:
     reference: Reference
     classic: Basis
     built: ReducedModel | None = None
+    _rest_states: dict[str, Solution] = field(default_factory=dict)
+    _path_steps: dict[str, Sequence[PathStep]] = field(default_factory=dict)
 
     @property
     def books(self) -> Books:
@@ -99,7 +102,10 @@ class CaseRunner:
                 remedy = self._solve_with_inertia(case, methods, reference, failures)
         half_step = None
         with self.books.attempt(f"{case.name}, half the time step"):
-            half_step = _sound(self._half_step(case, solved))
+            response = self._half_step(case, solved)
+            if response is not None and response.energy_gain > MOST_GAIN:
+                raise ConvergenceError(gain_message(response.energy_gain))
+            half_step = response
         reserve = None
         with self.books.attempt(f"{case.name}, slip reserve"):
             reserve = self._reserve(case)
@@ -242,18 +248,10 @@ class CaseRunner:
             return self.joint.certifier
         return None
 
-    @cached_property
-    def _path_steps(self) -> dict[str, Sequence[PathStep]]:
-        """Increments of the full model by load case, where a slip reserve continues from them."""
-        return {}
-
-    @cached_property
-    def _rest_states(self) -> dict[str, Solution]:
-        """Preloaded states by model label, filled on demand."""
-        return {"full": self.joint.rest}
-
     def _rest(self, system: System, label: str) -> Solution:
         """Return the preloaded state of a model."""
+        if label == "full":
+            return self.joint.rest
         if label not in self._rest_states:
             self._rest_states[label] = rest_state(system, self.joint.preload_path, self.joint.rest)
         return self._rest_states[label]
@@ -382,13 +380,6 @@ def _gained(what: str, response: Response) -> list[str]:
     """Return a message if the time integration of a transient added energy."""
     gain = response.energy_gain
     return [f"{what}: {gain_message(gain)}"] if gain > MOST_GAIN else []
-
-
-def _sound(response: Response | None) -> Response | None:
-    """Return a response; raise if its time integration added energy."""
-    if response is not None and response.energy_gain > MOST_GAIN:
-        raise ConvergenceError(gain_message(response.energy_gain))
-    return response
 
 
 def _bound(certificate: Certificate | None, measure: Measure) -> float | None:

@@ -1,13 +1,13 @@
 """Recovery of pressures from the history of another program with models of a finished run."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Matrix
 from faying.assessment.imported_recovery import (
     backward_differences,
     recover_from_boundary_loads,
@@ -235,7 +235,10 @@ def _from_modal(
         rom.recovery,
         history.times,
         q,
-        Load(_histories(history), name=history.path.name),
+        Load(
+            {name: History(history.times, values) for name, values in history.loads.items()},
+            name=history.path.name,
+        ),
         velocities=v,
         accelerations=a,
         frame_motion=history.frame,
@@ -293,8 +296,3 @@ def _from_loads(
         name=history.path.name,
     )
     return recovered, "simulated"
-
-
-def _histories(history: ImportedHistory) -> Mapping[str, History]:
-    times: Vector = history.times
-    return {name: History(times, values) for name, values in history.loads.items()}

@@ -1,6 +1,6 @@
 """Assessment of the joint of a run over its load cases."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from faying.assessment.check import Check
@@ -68,7 +68,12 @@ def assess_run(
         with books.attempt("certified bounds"):
             judge = judge.certified(lambda: joint.certifier)
         assessment = judge.assessment()
-        assessment = replace(assessment, checks=tuple(_failed_strength(judge.strengths.threads)))
+        # What is told of bolts of known threads where their strength cannot be computed.
+        unknown = (
+            Check(part=name, kind="bolt", quantity="yield", reason=FAILED)
+            for name in judge.strengths.threads
+        )
+        assessment = replace(assessment, checks=tuple(unknown))
         with books.attempt("strength of bolts"):
             counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
             assessment = judge.with_strength(assessment, states, counted)
@@ -76,12 +81,6 @@ def assess_run(
             return with_margins(assessment, judge, study.requirement.margins, loads)
         return assessment
     return None
-
-
-def _failed_strength(threads: Collection[str]) -> Iterator[Check]:
-    """Yield unknown strength checks of bolts whose strength could not be computed."""
-    for name in threads:
-        yield Check(part=name, kind="bolt", quantity="yield", reason=FAILED)
 
 
 FAILED = "it could not be computed, see the warnings"

@@ -53,15 +53,11 @@ class StepTraining:
             initial=self.rest,
             progress=progress,
         )
-        return map(_forces, solutions)
+        return ({"forces": solution.contact_forces.T} for solution in solutions)
 
     @cached_property
     def _solver(self) -> TransientSolver:
         return self.solver()
-
-
-def _forces(solution: Solution) -> Arrays:
-    return {"forces": solution.contact_forces.T}
 
 
 def step_loads(training: TrainingSection) -> Sequence[Load]:
@@ -69,12 +65,7 @@ def step_loads(training: TrainingSection) -> Sequence[Load]:
     return training_box(training).step_loads() if training.dynamics else []
 
 
-def step_key(number: int) -> str:
-    """Return the checkpoint key of a training step."""
-    return f"training step {number}"
-
-
 def step_groups(training: TrainingSection) -> list[dict[str, int]]:
     """Return groups of training steps that are computed together: numbers by key."""
     numbers = range(len(step_loads(training)))
-    return grouped({step_key(number): number for number in numbers})
+    return grouped({f"training step {number}": number for number in numbers})
