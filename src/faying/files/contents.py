@@ -42,9 +42,9 @@ def file_size(path: Path) -> int:
     return status.st_size
 
 
-def file_text(path: Path, errors: str = "strict") -> str:
+def file_text(path: Path) -> str:
     """Return the text of a UTF-8 file, without a byte order mark."""
-    return file_bytes(path).decode("utf-8-sig", errors)
+    return file_bytes(path).decode("utf-8-sig")
 
 
 def check_room(n_bytes: int, path: Path) -> None:

@@ -91,7 +91,7 @@ class Parameters:
 NO_PARAMETERS = Parameters()
 
 
-def friction_coefficient(card: Card, field: int, name: str = "FRIC") -> float:
+def friction_coefficient(card: Card, field: int) -> float:
     """Return the coefficient of friction in a field; zero where it is blank."""
     text = card.text(field)
     value = numbers.real(text) if text else 0.0
@@ -99,7 +99,7 @@ def friction_coefficient(card: Card, field: int, name: str = "FRIC") -> float:
     if value is None or table or not 0 <= value <= LARGEST_FRICTION:
         what = f"no coefficient from 0 to {LARGEST_FRICTION:g}"
         card.refuse(
-            f"{name} = {text} is {'the id of a table' if table else what}; {FRICTION_REMEDY}", field
+            f"FRIC = {text} is {'the id of a table' if table else what}; {FRICTION_REMEDY}", field
         )
     return value
 
