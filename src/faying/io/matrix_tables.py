@@ -78,20 +78,16 @@ def _real(matrix: Any, path: Path, name: str) -> SparseMatrix:
     if not sp.issparse(matrix):
         matrix = np.atleast_2d(np.asarray(matrix))
     else:
-        _check_indices(matrix)
+        check_rows(matrix.shape)
+        # Compiled code follows indices wherever they point.
+        if matrix.format in ("csr", "csc", "bsr"):
+            matrix.check_format(full_check=True)
     if matrix.ndim != 2 or matrix.dtype.kind not in "fiub":
         refuse(
             f"matrix {name}: '{path}' holds an array of shape {matrix.shape} and type "
             f"{matrix.dtype}; expected a real matrix"
         )
     return sp.csr_array(matrix, dtype=np.float64)
-
-
-def _check_indices(matrix: Any) -> None:
-    """Refuse indices out of range; compiled code would access memory outside the arrays."""
-    check_rows(matrix.shape)
-    if matrix.format in ("csr", "csc", "bsr"):
-        matrix.check_format(full_check=True)
 
 
 def read_npz(path: Path, name: str) -> LabelledMatrix:

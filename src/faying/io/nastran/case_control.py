@@ -220,13 +220,3 @@ def mass_factor(parameters: Mapping[str, Card], ignored: list[str]) -> float:
     if not factor > 0:
         parameters["WTMASS"].refuse(f"WTMASS = {factor:g} must be positive", 1)
     return factor
-
-
-def lumps_masses(parameters: Mapping[str, Card]) -> bool:
-    """Tell whether Nastran lumps masses, as it does unless PARAM,COUPMASS is positive."""
-    return "COUPMASS" not in parameters or parameters["COUPMASS"].integer(1) <= 0
-
-
-def is_heat(parameters: Mapping[str, Card]) -> bool:
-    """Whether PARAM,HEATSTAT makes statics one of heat, whose constraints are temperatures."""
-    return "HEATSTAT" in parameters and parameters["HEATSTAT"].text(1).startswith("Y")

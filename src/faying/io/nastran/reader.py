@@ -17,8 +17,6 @@ from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import (
     LUMPED,
     CaseControl,
-    is_heat,
-    lumps_masses,
     mass_factor,
     parameter_lines,
     parameters,
@@ -115,7 +113,8 @@ def read_parts(
     with np.errstate(over="ignore", invalid="ignore"):
         given = parameters(cards, read_cards(parameter_lines(control_lines)))
         factor = mass_factor(given, ignored)
-        control = replace(control, heat=control.heat or is_heat(given))
+        heat = "HEATSTAT" in given and given["HEATSTAT"].text(1).startswith("Y")
+        control = replace(control, heat=control.heat or heat)
         grids = read_grids(cards)
         if count := grids.systems.n_on_axis:
             ignored.append(f"{count} {ON_AXIS}")
@@ -130,7 +129,8 @@ def read_parts(
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
         blocks, of_property, element = read_solids(bulk, solid, straight)
         heavy = any(item.density > 0 for item in solid.values())
-        if control.present and heavy and lumps_masses(given):
+        lumped = "COUPMASS" not in given or given["COUPMASS"].integer(1) <= 0
+        if control.present and heavy and lumped:
             ignored.append(LUMPED)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
         check_element_ids([cards[name] for name in RIGID if name in cards])

@@ -41,7 +41,9 @@ def replicated(text: LineTexts, where: Callable[[int], str]) -> Edits:
             above = _card(text, previous, where(i))
         if above is None:
             refuse(f"{where(i)}: a line of '=' without a card above it; write the card out")
-        _check_one_line(text, i, where(i))
+        following = next((line for line in text[i + 1 :] if line.strip()), b"")
+        if _continues(following):
+            refuse(f"{where(i)}: a repeated card with a second line is not supported; write it out")
         cards, above = _repeated(_split(text[i]), above, where(i))
         done = i + 1
         yield i, done, cards
@@ -71,12 +73,6 @@ def _card(text: LineTexts, i: int, where: str) -> _Above:
             "repeated; write the card out"
         )
     return _Above(fields=_split(text[i]), steps={})
-
-
-def _check_one_line(text: LineTexts, i: int, where: str) -> None:
-    following = next((line for line in text[i + 1 :] if line.strip()), b"")
-    if _continues(following):
-        refuse(f"{where}: a repeated card with a second line is not supported; write it out")
 
 
 def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], _Above]:

@@ -45,7 +45,8 @@ def control_grids(bulk: BulkData) -> Indices:
 
 
 def _of_grids(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
-    nodes = grids.several(card, id_list(card, _texts(card, 4), np.sort(grids.ids)))
+    texts = [text for text in card.texts[4:] if text]
+    nodes = grids.several(card, id_list(card, texts, np.sort(grids.ids)))
     inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
     inside[nodes] = True
     direction = _axis(card, grids, grids.nodes[nodes].mean(axis=0) if len(nodes) else np.zeros(3))
@@ -74,10 +75,6 @@ def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     faces, owners, (low, high) = _between(mesh, chosen, axis)
     across = (low < level) & (high >= level)
     return _section(number, card, faces[across], owners[across], axis)
-
-
-def _texts(card: Card, first: int) -> list[str]:
-    return [text for text in card.texts[first:] if text]
 
 
 def _axis(card: Card, grids: Grids, point: Vector) -> Vector | None:
