@@ -1,6 +1,6 @@
 """Load factors at which a joint opens: too little of the area under preload pressure remains."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -90,11 +90,13 @@ def opening_factors(
     areas: Mapping[str, Mask],
     *,
     open_below: float = OPEN_BELOW,
+    reached: MutableMapping[float, Increment] | None = None,
 ) -> Openings:
     """Return the factors at which a joint without friction opens under a static load.
 
     An area of points (n_point,) opens where less than a share of its part under pressure at rest
-    is left. The search ends at :data:`~faying.assessment.growth.LARGEST_FACTOR`.
+    is left. The search ends at :data:`~faying.assessment.growth.LARGEST_FACTOR`. Increments that
+    were reached under this load for other areas are taken from ``reached`` and added to it.
 
     Raises
     ------
@@ -113,9 +115,12 @@ def opening_factors(
     contact.check_cases()
     fixed, growing = growing_displacements(system, inputs)
     touching = SOLVED * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
+    cases = {} if reached is None else reached
 
     def reach(factor: float, start: Increment | None) -> Increment:
-        return solver.solve(fixed + factor * growing, contact.offset(), start)
+        if factor not in cases:
+            cases[factor] = solver.solve(fixed + factor * growing, contact.offset(), start)
+        return cases[factor]
 
     def pressed(case: Increment) -> Vector:
         return pressed_depth(contact, case.gap(solver.laws), touching)
