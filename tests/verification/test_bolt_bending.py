@@ -139,7 +139,7 @@ def test_assessments_tell_bending_and_count_it(joint):
 
 def test_bending_of_springs_is_not_seen():
     model = fy.preload(standing_bolt(spring=True), {"bolt": 5e3})
-    with pytest.raises(ModelError, match="bending of bolt 'bolt' is not known: it is no beam"):
+    with pytest.raises(ModelError, match="bending of bolt 'bolt' is not known: it has no beams"):
         fy.solve_static(model).bolt_bending("bolt")
     found = fy.assess(
         model, [fy.Load({"head.Fz": 1e3})], threads={"bolt": THREAD}, paths=False
