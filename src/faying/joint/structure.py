@@ -264,10 +264,17 @@ class Structure(Frozen):
             shapes = self.firm.solve_held(dense(self.firm_rows.T))
             softer = np.eye(shapes.shape[1]) - self.firm_rows @ shapes
             core = np.linalg.inv((softer + softer.T) / 2)
-            return plus(self.firm.held_compliance, self.relative_operator @ shapes, core)
+            return plus(self.firm_compliance, self.relative_operator @ shapes, core)
         if self.held_stiffness is not None:
             return inverse(self.held_stiffness)
         return solved_gram(self.interior_factor.solve, self._held_ports.T)
+
+    @cached_property
+    def firm_compliance(self) -> Compliance:
+        """:attr:`held_compliance` of the firm structure, whose stiffness is not kept."""
+        if self.firm_rows is None or not self.is_kept_whole:
+            return self.firm.held_compliance
+        return self.firm.interior_factor.gram(self._held_ports.T)
 
     @cached_property
     def held_stiffness(self) -> Matrix | None:

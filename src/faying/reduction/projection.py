@@ -215,7 +215,7 @@ def residual_compliance(model: Model, basis: Basis) -> Compliance:
 def _residual_compliance(model: Model, basis: Basis, stiffness: Matrix) -> Compliance:
     seen = model.structure.relative_operator @ basis.of_kind(*VANISHING)
     flexibility = np.asarray(np.linalg.inv(stiffness), dtype=np.float64)
-    return plus(model.structure.firm.held_compliance, seen, -flexibility)
+    return plus(model.structure.firm_compliance, seen, -flexibility)
 
 
 def full_displacement(model: Model, solution: Solution) -> Matrix:

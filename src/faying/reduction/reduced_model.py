@@ -9,6 +9,8 @@ from types import MappingProxyType
 import numpy as np
 
 from faying._typing import Matrix
+from faying.contact.between_pairs import BetweenPairs
+from faying.contact.by_shapes import ByShapes
 from faying.contact.condensed import CondensedContact, structure_between
 from faying.contact.contact import Contact
 from faying.display.facts import Shown, counted
@@ -126,8 +128,14 @@ class ReducedModel(Shown, ModelData):
         loads = pattern_forces(self.load_patterns, n_mode)
         outer = np.vstack([np.eye(n_mode)[dofs], elongations(self.bolts, n_mode), loads])
         answers = factor.solve(outer.T)
+        if self._solves_full_contact:  # products alone are needed
+            pairs: BetweenPairs = ByShapes(
+                np.asarray(contact.relative_operator), factor.solve(np.eye(n_mode))
+            )
+        else:
+            pairs = structure_between(contact, self.K, factor)
         return PortCompliance(
-            pairs=structure_between(contact, self.K, factor),
+            pairs=pairs,
             contact_columns=(contact.relative_operator @ answers).T,
             input_rows=symmetrized(outer @ answers),
             n_boundary=len(dofs),
@@ -140,9 +148,12 @@ class ReducedModel(Shown, ModelData):
 
         With residual compliance this is the problem of the full model, whose inverses it shares.
         """
-        if self.ports is not None and self.contact.residual_compliance is not None:
-            return self.joint.static_contact
-        return static_contact_of(self)
+        return self.joint.static_contact if self._solves_full_contact else static_contact_of(self)
+
+    @property
+    def _solves_full_contact(self) -> bool:
+        """Whether static contact is that of the full model."""
+        return self.ports is not None and self.contact.residual_compliance is not None
 
     @cached_property
     def joint(self) -> PortableJoint:
