@@ -283,9 +283,8 @@ class Structure(Frozen):
         None for few pairs, for pairs without distinct degrees of freedom, and where its dense
         matrices exceed the dense budget or the free memory.
         """
-        if not self.is_kept_whole:
-            return None
-        return port_stiffness(self._held_ports, self.interior_factor)
+        whole = self.is_kept_whole
+        return port_stiffness(self._held_ports, self.interior_factor) if whole else None
 
     def take_held(self, name: str, matrix: Matrix) -> None:
         """Store a held stiffness or compliance that was formed before, without checks."""
