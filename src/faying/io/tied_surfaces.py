@@ -28,7 +28,7 @@ from faying.model.surface import rows_by_kind
 def moving_together(
     assembly: Assembly, specs: Iterable[InterfaceSpec]
 ) -> tuple[list[Equation], list[tuple[str, float]]]:
-    """Return old equations and those of several ties, and the names of incomplete ties.
+    """Return the equations with those of several ties added, and the names of incomplete ties.
 
     Each name comes with the share of the smaller surface that is tied.
     """

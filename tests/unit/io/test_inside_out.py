@@ -58,7 +58,7 @@ def test_decks_with_solids_inside_out_are_read(tmp_path):
     )
     assembly = read_deck(path)
     assert mass_properties(assembly).mass == pytest.approx(1.0)
-    assert "node order of 1 CTETRA inside out, the first 7" in assembly.ignored
+    assert "node order of 1 inverted CTETRA, the first 7" in assembly.ignored
 
 
 def test_data_of_a_mesh_that_name_no_group_are_passed_over():

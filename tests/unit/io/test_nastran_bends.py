@@ -162,9 +162,9 @@ def test_solids_of_equal_layers_are_solids(read: Read) -> None:
     layered = read(BRICK, "PCOMPS,2,,13\n,1,9,.2,0.\n,2,9,.4,90.")
     found, expected = (assemble_matrices(one).K.toarray() for one in (layered, plain))
     np.testing.assert_array_equal(found, expected)
-    assert any(note.startswith("PCOMPS: solids of layers are as") for note in layered.ignored)
+    assert any(note.startswith("PCOMPS: layered solids are as") for note in layered.ignored)
 
 
 def test_solids_of_several_materials_are_refused(read: Read) -> None:
-    with pytest.raises(FormatError, match="layers of materials 9, 11; solids of layers"):
+    with pytest.raises(FormatError, match="layers of materials 9, 11; layered solids"):
         read(BRICK, "MAT1,11,1.,,.3", "PCOMPS,2,,13\n,1,9,.2,0.\n,2,11,.4,90.")

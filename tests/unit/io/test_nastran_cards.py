@@ -68,7 +68,7 @@ def test_chained_and_grid_based_systems(read: Read) -> None:
         "GRID,21,4,2.,1.,0.",
     )
     np.testing.assert_allclose(assembly.mesh.nodes[8:], [[0, 2, 0], [-1, 2, 0]], atol=1e-15)
-    with pytest.raises(FormatError, match=r"CORD2R: coordinate system 2 rests on .* 3"):
+    with pytest.raises(FormatError, match=r"CORD2R: coordinate system 2 refers to .* 3"):
         read("CORD2R,2,3,0.,0.,0.,0.,0.,1.\n,1.,0.,0.", "CORD2R,3,2,0.,0.,0.,0.,0.,1.\n,1.,0.,0.")
     refuses("on one line", read, "CORD2R,2,0,0.,0.,0.,0.,0.,1.\n,0.,0.,2.")
 
@@ -160,7 +160,7 @@ def test_material_constants(read: Read) -> None:
     brick = (BRICK, "PSOLID,1,8")
     assert read(*brick, "MAT1,8,,80000.,.25").materials[1].youngs_modulus == 200000.0
     assert read(*brick, "MAT1,8,200000.,80000.").materials[1].poissons_ratio == 0.25
-    refuses("gives 1 of E, G, NU", read, *brick, "MAT1,8,,70000.")
+    refuses("has 1 of E, G, NU", read, *brick, "MAT1,8,,70000.")
     refuses(r"MAT1: material '8': Poisson's ratio is 0\.6", read, *brick, "MAT1,8,200000.,,.6")
 
 
@@ -189,7 +189,7 @@ def test_youngs_modulus_alone(read: Read) -> None:
     section = assembly.beams[0].section
     assert (section.torsion, section.shear_factor_y) == (0.0, np.inf)
     assert any(note.startswith("MAT1 8 with E alone") for note in assembly.ignored)
-    refuses("gives 1 of E, G, NU", read, "MAT1,8,200000.", "PSHELL,2,8,2.\nCQUAD4,2,2,1,2,3,4")
+    refuses("has 1 of E, G, NU", read, "MAT1,8,200000.", "PSHELL,2,8,2.\nCQUAD4,2,2,1,2,3,4")
 
 
 def test_wtmass_scales_density_and_masses(read: Read) -> None:
@@ -293,7 +293,7 @@ def test_sections_that_are_open_on_a_side(
     s = assembly.beams[0].section
     np.testing.assert_allclose([s.area, s.inertia_z, s.inertia_y], [area, i1, i2], rtol=1e-6)
     assert any("made of thin walls" in note for note in assembly.ignored)
-    with pytest.raises(FormatError, match=f"centres of area and shear of {kind} are apart"):
+    with pytest.raises(FormatError, match=f"centroid and shear centre of {kind} differ"):
         read("CBEAM,1,5,1,2,0.,1.,0.", f"PBEAML,5,9,,{kind}\n,{sizes}")
     with pytest.raises(FormatError, match="a wall has no length or thickness"):
         read("CBAR,1,5,1,2,0.,1.,0.", f"PBARL,5,9,,{kind}\n,1.,2.,20.,1.")
@@ -302,7 +302,7 @@ def test_sections_that_are_open_on_a_side(
 def test_properties_of_other_materials_that_no_element_names(read: Read) -> None:
     """As those of an optimization; MAT8 is none of beams."""
     assembly = read("PBARL,5,8,,BAR\n,1.,2.", "MAT8,8,1.,1.,.3")
-    assert "PBARL 5, without a MAT1, that no element names" in assembly.ignored
+    assert "PBARL 5, without a MAT1, that no element uses" in assembly.ignored
     with pytest.raises(FormatError, match=r"material 8 is not in the deck.*MAT1"):
         read("PBARL,5,8,,BAR\n,1.,2.", "MAT8,8,1.,1.,.3", "CBAR,1,5,1,2,0.,1.,0.")
 
@@ -401,7 +401,7 @@ def test_couplings(read: Read) -> None:
         ("RBE2,1,1,123,99", "GRID 99 is not"),
         ("RBE2,1,1,123,1", "other than its independent"),
         ("RBE3,1,,1,123,1.,123,2\n,UM,2,123", "a UM set"),
-        ("RBE3,1,,1,123,1,123,2", "'1' stands where a positive real weight"),
+        ("RBE3,1,,1,123,1,123,2", "'1' occurs where a positive real weight"),
     ],
 )
 def test_couplings_that_are_refused(read: Read, card: str, message: str) -> None:
@@ -491,7 +491,7 @@ def test_equations(read: Read) -> None:
     )
     both = read(TURNED, "MPC,3,9,1,1.,1,1,-1.", "MPC,3,9,2,1.,1,2,-1.").equations
     assert [e.terms[0][:2] for e in both] == [(8, 0), (8, 1)]
-    refuses("already the dependent", read, "MPC,3,1,1,1.,2,1,-2.", "MPC,3,1,1,1.,3,1,-2.")
+    refuses("already dependent", read, "MPC,3,1,1,1.,2,1,-2.", "MPC,3,1,1,1.,3,1,-2.")
     assert read("MPC,3,1,1,1.,2,1,-2.", head="CEND\nMPC=4\nBEGIN BULK\nMPCADD,4,3\n").equations
 
 

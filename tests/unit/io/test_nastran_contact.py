@@ -122,8 +122,8 @@ def test_sides_of_bricks_as_contact_bodies(read: Read) -> None:
     assert set(joint.assembly.face_sets["bcsurf:8"].nodes.ravel()) == {8, 9, 10, 11}
     for change, message in (
         (("1,S2", "1,S7"), "'1, S7, ELEM'; supported are rows of a CHEXA"),
-        (("1,S2", "99,S2"), "element 99 is no CHEXA"),
-        (("FACE", "NODE"), "behind FACE"),
+        (("1,S2", "99,S2"), "element 99 is not a CHEXA"),
+        (("FACE", "NODE"), "after FACE"),
     ):
         refuses(message, read, surfaces.replace(*change) + pairs)
 
@@ -159,19 +159,19 @@ def test_coefficients_of_friction_become_those_of_the_interfaces(read: Read) -> 
     assert friction(read(everything, control="BCONTACT = ALLBODY")) == 0.25
 
 
-FRICTION = "only Coulomb's friction with one coefficient for a pair is read"
+FRICTION = "faying reads one Coulomb coefficient a pair"
 REFUSED = [
     ((FACES, "BCTSET,4,5,6,3"), f"FRIC = 3 is the id of a table; {FRICTION}"),
-    ((FACES, "BCTSET,4,5,6,-.1"), "FRIC = -.1 is no coefficient from 0 to 10"),
+    ((FACES, "BCTSET,4,5,6,-.1"), "FRIC = -.1 is not a coefficient from 0 to 10"),
     ((FACES, "BCTSET,4,5,6,,.1"), "MIND"),
     ((FACES, "BCTSET,4,5,7"), "contact region 7 is not in the deck"),
     ((FACES, "BCTSET,4,5,5"), "in contact with itself"),
     ((FACES, "BCTSET,4,5,6", "BCTSET,7,6,5"), "already defined at .* count twice"),
-    ((FACES, "BCTSET,4,5,6,,,,7"), "behind MAXD"),
+    ((FACES, "BCTSET,4,5,6,,,,7"), "follows MAXD"),
     ((FACES, "BCTSET,4,5,6\n,51,61"), "leave that field blank"),
     ((SIMCENTER, "BCTPARM,4,FRICMOD,2"), FRICTION),
     ((SIMCENTER, "BCTPARM,4,OFFSET,.1"), "OFFSET = .1 is not supported; give"),
-    ((SIMCENTER, "BCTPARM,4,10.,PENN"), "is no parameter with its value"),
+    ((SIMCENTER, "BCTPARM,4,10.,PENN"), "is not a parameter and its value"),
     ((SIMCENTER, "BCTPARA,4,TIED,7"), "TIED = 7 is not supported; give one of 0, 1, 2, 3, 4"),
     ((SIMCENTER, "BCRPARA,5,TOP,.2"), "OFFSET of a contact region"),
     ((SIMCENTER, "BCRPARA,6,TOP,,RIGID"), "TYPE = 'RIGID'"),
@@ -181,27 +181,27 @@ REFUSED = [
     ((FACES, "BGSET,1,5,6", "BGADD,2,3"), "glue set 3 is not in the deck.*BGSET"),
     ((FACES, "BSURF,5,1"), "contact region 5 is already defined"),
     ((FACES, "BCPROP,7,55", "BCTSET,4,7,6"), "no solid of the deck belongs"),
-    (("BSURFS,5,,,,1,5,6,3",), "are no three corners of one face of element 1"),
-    (("BSURFS,5,,,,1,5,6",), "no element id with three grid ids"),
-    (("BSURFS,5,,,,3,5,6,7",), "element 3 is no solid"),
+    (("BSURFS,5,,,,1,5,6,3",), "are not three corners of one face of element 1"),
+    (("BSURFS,5,,,,1,5,6",), "not an element id with three grid ids"),
+    (("BSURFS,5,,,,3,5,6,7",), "element 3 is not a solid"),
     (("BSURFS,5,,,,1,5,6,99",), "GRID 99 is not in the deck"),
     (("BCONP,5,1,2",), "BCONP: the card is not supported"),
-    ((BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,30."), "FRIC = 30. is no coefficient"),
+    ((BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,30."), "FRIC = 30. is not a coefficient"),
     (
         (BODIES, "BCONECT,3,,5,7,8", "BCONPRP,5,,FRIC,.3", "BCPARA,0,FTYPE,7"),
         f"FTYPE = 7: {FRICTION}",
     ),
     ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,IGLUE,9"), "BCONPRG: IGLUE = 9"),
-    ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,JGLUE,1"), "glue that lets go"),
+    ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,JGLUE,1"), "glue that breaks"),
     ((BODIES, "BCONECT,3,5,,7,8", "BCONPRG,5,,CINTERF,.1"), "give 'initial_gap' in the study"),
     ((BODIES, "BCONECT,3,5,,7,8"), "BCONPRG 5 is not in the deck"),
     ((BODIES, "BCONECT,3,,,7,9"), "contact body 9 is not in the deck.*BCBODY"),
-    ((BODIES, "BCONECT,3,,,7"), "no touched"),
+    ((BODIES, "BCONECT,3,,,7"), "no primary"),
     ((BODIES, "BCTABL1,9,3"), "BCONECT 3 is not in the deck"),
-    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,77.\n,MASTERS,8"), "FRIC = 77. is no coefficient"),
-    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,,,1\n,,,,1\n,MASTERS,8"), "glue that lets go"),
+    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,77.\n,MASTERS,8"), "FRIC = 77. is not a coefficient"),
+    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7,,,,,1\n,,,,1\n,MASTERS,8"), "glue that breaks"),
     ((BODIES, "BCTABLE,2,,,2\n,SLAVE,7\n,MASTERS,8"), "NGROUP = 2, but it has 1"),
-    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7\n,NONSENSE,8"), "stands where SECNDRY"),
+    ((BODIES, "BCTABLE,2,,,1\n,SLAVE,7\n,NONSENSE,8"), "occurs where SECNDRY"),
     ((MSC.replace("DEFORM,31", "RIGID,31"),), "BEHAV = 'RIGID'"),
     ((MSC.replace("DEFORM,32", "DEFORM,32,,.3"),), "bodies 7 and 8 have coefficients of friction"),
     ((MSC.replace("3D", "2D"),), "DIM = '2D'"),
@@ -209,7 +209,7 @@ REFUSED = [
     (("BOLT,1,2,0,3,5,6",), "no faces between solids of the shank"),
     (("BOLT,1,3,0,3,5",), "no elements; list the solids of the shank"),
     (("BOLT,1,1\n,TOP,5,6\n,BOTTOM,15,16",), "control grid 1 has no force"),
-    (("BOLT,1,1,71,99",), "element 99 is no CBAR"),
+    (("BOLT,1,1,71,99",), "element 99 is not a CBAR"),
     (("BOLT,1,1",), "no elements"),
     ((BOLT, "BOLTFOR,3,1.,2"), "bolt 2 is not in the deck.*BOLT"),
     ((BOLT, "BOLTFOR,3,1.,1"), "two forces in set 3"),
@@ -377,7 +377,7 @@ def test_corner_intensities_follow_the_right_hand_rule_from_g1(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("load", "message"),
     [
-        ("PLOAD4,1,2,5.,,,,5,7", "element 2 is no solid"),
+        ("PLOAD4,1,2,5.,,,,5,7", "element 2 is not a solid"),
         ("PLOAD4,1,1,5.,,,,5,6", "name no face of element 1"),
         ("PLOAD4,1,1,5.,,,,5", "name no face of element 1"),
         ("PLOAD4,1,1,5.,,,,THRU,3", "no shell that takes a pressure is among elements 1 to 3"),

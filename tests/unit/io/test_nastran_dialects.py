@@ -110,10 +110,10 @@ def test_materials_that_no_property_names_are_left_out(read):
     )
     notes = read(*library).assembly.ignored
     for name in ("MAT9", "MATS1", "MAT8"):
-        assert f"1 {name} that no property names" in notes
+        assert f"1 {name} that no property uses" in notes
     refuses("MATS1: the card is not supported", read, "MATS1,1,,PLASTIC,0.,1,1,200.")
     refuses(r"MAT9: material 50: .* stable material", read, *library, "PSOLID,9,50")
-    refuses("material 51 gives 0 of E, G, NU", read, "MAT1,51", "PSOLID,9,51")
+    refuses("material 51 has 0 of E, G, NU", read, "MAT1,51", "PSOLID,9,51")
 
 
 def test_cards_are_made_of_the_card_above(read):
@@ -135,19 +135,19 @@ def test_cards_are_made_of_the_card_above(read):
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        (("GRID,101,,1.", "=,*X,=="), "'X' is no number to count on"),
+        (("GRID,101,,1.", "=,*X,=="), "'X' is not a number to add to"),
         (("GRID,101,,1.", "=2"), "there is none above"),
         (("GRID,101,,1.", "=,*1,==", "=9999999"), "it may up to 1000000 times"),
         (
             ("GRID         101              1.", "=       *1      ==", "=(999999999)"),
             "1000000 times",
         ),
-        (("GRID,101,,1.", "=,*(1,=="), "'*(1' is nothing to add"),
-        (("GRID         101              1.", "=       *(1000000)=="), "nothing to add"),
-        (("GRID,101,,1.", "=X"), "'=X' is no name of a card"),
+        (("GRID,101,,1.", "=,*(1,=="), "'*(1' cannot be added"),
+        (("GRID         101              1.", "=       *(1000000)=="), "cannot be added"),
+        (("GRID,101,,1.", "=X"), "'=X' is not a card name"),
         (("GRID,101,,1.", "=,*1,==", ",7"), "a repeated card with a second line"),
         (("CHEXA,7,1,1,2,3,4,5,6\n,7,8", "=,*1,=="), "the card above has several lines"),
-        (("SET1,7,1,2", "=,*1,=,*X"), "no number to count on"),
+        (("SET1,7,1,2", "=,*1,=,*X"), "not a number to add to"),
     ],
 )
 def test_repetitions_that_are_refused(read, lines, message):
@@ -172,5 +172,5 @@ def test_marks_of_continuations_begin_behind_their_first_column(read):
 
 def test_rotors_do_not_turn_and_are_named(read):
     notes = read("ROTORG,5,1,THRU,4", "RSPINR,5,1,2").assembly.ignored
-    assert "1 ROTORG, 1 RSPINR: rotors do not turn: no gyroscopic terms" in notes
+    assert "1 ROTORG, 1 RSPINR: rotors do not rotate: no gyroscopic terms" in notes
     refuses("CBEAR", read, "CBEAR,9,1,1,2")

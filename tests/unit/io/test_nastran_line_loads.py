@@ -114,7 +114,7 @@ def test_what_programs_do_not_define_is_left_out(tmp_path):
 
 
 REFUSED = [
-    ("PLOAD1,9,8,FY,FR,0.,1.,1.,1.", "element 8 is no CBAR or CBEAM"),
+    ("PLOAD1,9,8,FY,FR,0.,1.,1.,1.", "element 8 is not a CBAR or CBEAM"),
     ("PLOAD1,9,7,FW,FR,0.,1.,1.,1.", "TYPE = 'FW'; it is FX"),
     ("PLOAD1,9,7,FY,F,0.,1.,1.,1.", "SCALE = 'F'; it is LE, FR"),
     ("PLOAD1,9,7,FY,FR,0.,1.,1.2,1.", "lie beyond the ends of the beam, which is 1000 long"),

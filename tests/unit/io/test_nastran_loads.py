@@ -67,8 +67,8 @@ def test_pressure_on_shells_acts_along_their_normals(forces: Read) -> None:
         ("FORCE2,7,3,10.,1,2,4,3", "FORCE2: its grids give no direction"),
         ("FORCE1,7,3,10.,2,99", "GRID 99 is not in the deck"),
         ("PLOAD,7,1.E308,1,2,3,4", "too large"),
-        ("PLOAD2,7,3.,1,9", "element 9 is no shell"),
-        ("PLOAD2,7,3.,8,THRU,9", "is no shell"),
+        ("PLOAD2,7,3.,1,9", "element 9 is not a shell"),
+        ("PLOAD2,7,3.,8,THRU,9", "is not a shell"),
     ],
 )
 def test_loads_that_make_no_sense(forces: Read, card: str, message: str) -> None:

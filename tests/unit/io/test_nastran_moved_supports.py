@@ -118,5 +118,5 @@ def test_motions_that_make_no_sense(read, cards, message):
     ["SOL 153\nCEND\n", "SOL 101\nCEND\nANALYSIS = HEAT\n", "CEND\nPARAM,HEATSTAT,YES\n"],
 )
 def test_temperatures_are_no_displacements(read, head):
-    with pytest.raises(FormatError, match="SPC: a temperature, for the analysis is one of heat"):
+    with pytest.raises(FormatError, match="SPC: a temperature, as the analysis is heat"):
         read("SPC,1,3,1,300.\n", f"{head}SPC = 1\nBEGIN BULK\n")

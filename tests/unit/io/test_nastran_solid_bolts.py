@@ -52,9 +52,9 @@ def test_bolts_of_solids_are_pretension_sections(tmp_path, as_abaqus, bolt):
 REFUSED = [
     ("BOLT,1,2,0,3,300,301,304", "no faces between solids of the shank lie in this cross-section"),
     ("BOLT,1,2,5,3,300,301,304", "coordinate system 5 is not in the deck"),
-    ("BOLT,1,2,0,4,300,301,304", "IDIR = 4; it is 1, 2 or 3"),
+    ("BOLT,1,2,0,4,300,301,304", "IDIR = 4; expected 1, 2 or 3"),
     ("BOLT,1,3,,,,,,\n,310,311", "the axis is blank; give CSID and IDIR"),
-    ("BOLT,1,3,0,3,,,,\n,310,399", "element 399 is no solid of the deck"),
+    ("BOLT,1,3,0,3,,,,\n,310,399", "element 399 is not a solid of the deck"),
     ("BOLT,1,4,0,3", r"ETYPE = 4; it is 1 \(beams\), 2 or 3 \(solids\)"),
     ("BOLT,1,998\n,TOP,300,301\n,BOTTOM,302", "2 grids on TOP and 1 on BOTTOM"),
     (
@@ -84,7 +84,7 @@ def test_contact_that_begins_in_a_later_step(tmp_path):
     path.write_text(text)
     described = read_nastran(path)
     assert [one.name for one in described.interfaces] == ["contact-7-8"]
-    assert any("BCONTACT = 4 is that of a later STEP" in one for one in described.assembly.ignored)
+    assert any("BCONTACT = 4 comes from a later STEP" in one for one in described.assembly.ignored)
 
 
 def test_a_control_grid_that_is_moved_shortens_its_shank(tmp_path):

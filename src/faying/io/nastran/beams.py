@@ -1,9 +1,9 @@
-"""CBAR, CBEAM, CROD, CTUBE, CONROD: beams and rods; BAROR, BEAMOR: what blank fields mean.
+"""CBAR, CBEAM, CROD, CTUBE, CONROD: beams and rods; BAROR, BEAMOR: values of blank fields.
 
-MSC Nastran Quick Reference Guide, CBAR: offset vectors lead from the grids to the ends, along the
+MSC Nastran Quick Reference Guide, CBAR: offset vectors point from the grids to the ends, along the
 displacement components of the grids, or (O of OFFT) along the axes of an element between the grids;
-pin flags name the components of the element (x along it, y towards the orientation vector) in which
-an end is not joined to its grid.
+pin flags are the components of the element (x along it, y towards the orientation vector) in which
+an end is not connected to its grid.
 """
 
 import math
@@ -31,14 +31,14 @@ OFFSETS = (10, 13)
 
 @dataclass(kw_only=True)
 class BeamEnds:
-    """Nodes at the ends of beams that are not those of the deck, and what joins them to those.
+    """New nodes at beam ends with offsets or pins, and their connections to nodes of the deck.
 
     Attributes
     ----------
     first
-        Index of the first one.
+        Index of the first new node.
     grids
-        Node of the deck that each of them belongs to.
+        Node of the deck that each new node belongs to.
     """
 
     first: int
@@ -49,15 +49,15 @@ class BeamEnds:
 
     @property
     def nodes(self) -> Matrix:
-        """Places (n, 3) of the new nodes."""
+        """Coordinates (n, 3) of the new nodes."""
         return np.array(self.places, dtype=float).reshape(-1, 3)
 
     def offset(
         self, card: Card, grids: Grids, end: int, node: int, along: Matrix
     ) -> tuple[int, Vector]:
-        """Return the node of an end (0 or 1) and its place, a new one where there is an offset.
+        """Return the node of an end (0 or 1) and its coordinates; a new node if it has an offset.
 
-        ``along`` (3, 3) are the axes of the element between its grids, for offsets given along
+        ``along`` (3, 3) are the axes of the element between its grids, for offsets along
         them.
         """
         vector = np.array([card.real(OFFSETS[end] + j, 0.0) for j in range(3)])
@@ -81,8 +81,8 @@ class BeamEnds:
     ) -> tuple[int, int]:
         """Return the nodes of a beam, new ones where an end has pins.
 
-        What is free to move along or turn about the element at both ends carries nothing: the
-        second end keeps it, so that the element does not move by itself.
+        A component along or about the element that is free at both ends carries nothing; it is
+        kept at the second end, so that the element has no rigid motion of its own.
         """
         first, second = (_released(card, field) for field in PINS)
         released = [c for c in second if not (c in first and c in (0, 3))]
@@ -114,7 +114,7 @@ class BeamEnds:
         return self.first + len(self.places) - 1
 
     def ids_behind(self, ids: Indices) -> Indices:
-        """Return ids (n,) of the new nodes, behind all others."""
+        """Return ids (n,) of the new nodes, above all others."""
         return int(ids.max(initial=0)) + 1 + np.arange(len(self.places))
 
 
@@ -133,9 +133,9 @@ def _released(card: Card, field: int) -> list[int]:
 def read_beams(
     bulk: BulkData, sections: Mapping[str, Mapping[int, Property]], ends: BeamEnds
 ) -> list[Beam]:
-    """Read beams; orientation vectors are turned into the basic frame.
+    """Read beams, with orientation vectors in the basic frame.
 
-    ``ends`` takes the nodes of beams with offsets and pins.
+    Nodes of beams with offsets or pins are added to ``ends``.
     """
     beams: list[Beam] = []
     for name in ("CBAR", "CBEAM"):
@@ -196,7 +196,7 @@ def _orientation(card: Card, grids: Grids, start: int) -> Vector:
 
 
 def _between(card: Card, grids: Grids, grid_ends: tuple[int, int], vector: Vector) -> Matrix:
-    """Axes (3, 3) from grid to grid, where offsets (O of OFFT) are along them; else basic ones."""
+    """Return element axes (3, 3) for offsets along them (O of OFFT), else basic axes."""
     if "O" not in card.text(7):
         return np.eye(3)
     return element_axes(card, grids.nodes[grid_ends[1]] - grids.nodes[grid_ends[0]], vector)
@@ -208,11 +208,11 @@ POINTS = (16, 17)
 def read_warping(
     bulk: BulkData, sections: Mapping[int, Property], beams: Mapping[int, Beam]
 ) -> Iterator[Spring]:
-    """Yield springs by which beams whose ends do not warp freely resist twist more than G J / L.
+    """Yield springs for the twist stiffness beyond G J / L of beams with restrained warping.
 
     The twist φ along the beam is cubic, φ' at the ends is the first component of SA and SB, and
     the energy is ∫ (G J φ'² + E C_w φ''²) dx / 2 (V. Z. Vlasov, Thin-walled elastic beams, 1961);
-    what beams have of it themselves, G J / L, is taken off.
+    the stiffness G J / L of the beams themselves is subtracted.
     """
     for card in bulk.cards.get("CBEAM", ()):
         if not any(card.text(field) for field in POINTS):
@@ -244,9 +244,9 @@ _TWIST = (
     *((0.2, 0.1, -0.2, 0.1), (0.1, 2 / 15, -0.1, -1 / 30)),
     *((-0.2, -0.1, 0.2, -0.1), (0.1, -1 / 30, -0.1, 2 / 15)),
 )
-"""∫ φ'² of cubic φ over the length, by φ and φ' L at both ends, without that of linear φ."""
+"""∫ φ'² of cubic φ by φ and φ' L at both ends, minus ∫ φ'² of linear φ, over unit length."""
 _BIMOMENT = ((12, 6, -12, 6), (6, 4, -6, 2), (-12, -6, 12, -6), (6, 2, -6, 4))
-"""∫ φ''² over the length."""
+"""∫ φ''² of the same."""
 
 
 def _point(card: Card, grids: Grids, field: int) -> int:
@@ -266,7 +266,7 @@ Member = tuple[BeamSection, Material]
 
 
 def read_rods(bulk: BulkData) -> list[Beam]:
-    """Read rods as beams without bending stiffness, whose mass lies along a straight line.
+    """Read rods as beams without bending stiffness, with the mass along a straight line.
 
     Non-structural mass is added to the density.
     """
@@ -284,7 +284,7 @@ def read_rods(bulk: BulkData) -> list[Beam]:
 
 
 def _member(card: Card, bulk: BulkData) -> Member:
-    """Section and material of PROD, PTUBE or CONROD; C serves stresses only."""
+    """Return section and material of PROD, PTUBE or CONROD; C is for stresses only."""
     material, factor = bulk.material(card, card.place("MID"))
     if card.cards.name == "PTUBE":
         area, torsion = _tube(card)
@@ -297,12 +297,12 @@ def _member(card: Card, bulk: BulkData) -> Member:
 
 
 def _tube(card: Card) -> tuple[float, float]:
-    """Return area and torsion constant of outer diameter, wall (none is a solid rod), end."""
+    """Return area and torsion constant of a tube; without a wall thickness it is a solid rod."""
     outer = card.real(2)
     wall = card.real(3, 0.0) or outer / 2
     end = card.real(5, outer)
     if wall > outer / 2:
-        card.refuse(f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD", 3)
+        card.refuse(f"OD = {outer:g} with T = {wall:g} is not a tube; T is at most half of OD", 3)
     if not math.isclose(end, outer, rel_tol=SHORT_DIGITS):
         card.refuse(
             f"OD2 = {end:g} differs from OD = {outer:g}; divide the tube into constant pieces", 5

@@ -1,13 +1,12 @@
 """BOLT, BOLTFOR, BOLTLD: bolts and their pretension.
 
-MSC Nastran Quick Reference Guide, BOLT with TOP and BOTTOM: the mesh is parted across the shank;
-they list the grids of both sides in pairs, whose relative displacement is that of the control grid.
-The force on that grid is the pretension, its displacement (SPC, SPCD) by how much the shank is
-shortened.
+MSC Nastran Quick Reference Guide, BOLT with TOP and BOTTOM: the mesh is cut across the shank; they
+list the grids of both sides in pairs, whose relative displacement is that of the control grid.
+The force on that grid is the pretension, its displacement (SPC, SPCD) the shortening of the shank.
 
 Simcenter Nastran Quick Reference Guide: BOLT with ETYPE = 1 lists the CBAR and CBEAM elements of a
-shank, with ETYPE = 2 and 3 solids to cut, BOLTFOR gives bolts a force, BOLTLD combines sets of
-BOLTFOR like LOAD does. MSC's BOLT of the same name has a control grid that carries the force.
+shank, with ETYPE = 2 and 3 solids to cut. BOLTFOR is the force of bolts; BOLTLD combines sets of
+BOLTFOR like LOAD. MSC's BOLT of the same name has a control grid that carries the force.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,16 +28,16 @@ from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 
 SPLIT = (
-    "BOLT of a control grid: its sides move apart along the force on that grid only, or its "
-    "displacement, and the amount of the force is the tension, that of the displacement by how "
-    "much the shank is shortened; what else is said of the grid does not count"
+    "BOLT with a control grid: its sides move apart only along the force on the grid or its "
+    "displacement; the amount of the force is the tension, the amount of the displacement the "
+    "shortening of the shank. Other data of the grid are ignored"
 )
 
 
 def _tension(
     card: Card, control: int, bulk: BulkData, loads: Mapping[str, NodalLoads], moved: Moved
 ) -> tuple[Vector, dict[str, float], bool]:
-    """Return the axis of a bolt, its tension by load set, and whether that is a displacement."""
+    """Return axis and tension by load set of a bolt, and whether the tension is a displacement."""
     forces = {
         name: load.forces[load.nodes == control][0, :3]
         for name, load in loads.items()
@@ -53,8 +52,8 @@ def _tension(
     # Directions are given with seven digits in small fields.
     if not len(nonzero) or np.abs(across).max() > 1e-5 * np.abs(nonzero).max():
         card.refuse(
-            f"control grid {card.integer(1)} has no force or displacement along one line, which "
-            "would be the tension; give it one by FORCE or SPCD",
+            f"control grid {card.integer(1)} has no force or displacement along one line as "
+            "tension; give it one by FORCE or SPCD",
             1,
         )
     return axis, {name: float(np.linalg.norm(force)) for name, force in forces.items()}, shortens
@@ -68,8 +67,8 @@ def _listed(card: Card, grids: Grids, side: str) -> Indices:
     return grids.several(card, id_list(card, listed))
 
 
-def _parted(mesh: Mesh, number: int, card: Card, grids: Grids, axis: Vector) -> tuple[Mesh, Cut]:
-    """Return grids in pairs as a cut, and the mesh with the nodes that carry its elongation."""
+def _cut_pairs(mesh: Mesh, number: int, card: Card, grids: Grids, axis: Vector) -> tuple[Mesh, Cut]:
+    """Return the mesh with the nodes of the bolt's elongation, and the cut between paired grids."""
     top, bottom = (_listed(card, grids, side) for side in ("TOP", "BOTTOM"))
     if len(top) != len(bottom) or not len(top):
         card.refuse(f"{len(top)} grids on TOP and {len(bottom)} on BOTTOM; list them in pairs")
@@ -85,7 +84,7 @@ def _parted(mesh: Mesh, number: int, card: Card, grids: Grids, axis: Vector) -> 
         originals=top,
         copies=bottom,
         normal=normal,
-        # Of a disc with the same spread; it sets how stiff the closing spring is, no more.
+        # Area of a disc with the same spread; only for the stiffness of the closing spring.
         area=float(2 * np.pi * np.mean(np.sum(flat**2, axis=1))),
         sense=sense,
         ends=(n_node, n_node + 1),
@@ -99,7 +98,7 @@ def _parted(mesh: Mesh, number: int, card: Card, grids: Grids, axis: Vector) -> 
 
 
 def _centre(mesh: Mesh, nodes: Indices) -> tuple[Vector, int]:
-    """Return the mean place of the elements at nodes, and the id of one of them."""
+    """Return the centre of the elements at nodes, and the id of one of them."""
     touching = [np.isin(block.nodes, nodes).any(axis=1) for block in mesh.blocks]
     chosen = [block.nodes[mask].ravel() for block, mask in zip(mesh.blocks, touching, strict=True)]
     ids = [block.ids[mask] for block, mask in zip(mesh.blocks, touching, strict=True)]
@@ -108,7 +107,7 @@ def _centre(mesh: Mesh, nodes: Indices) -> tuple[Vector, int]:
 
 
 def _without(assembly: Assembly, controls: Sequence[int]) -> Assembly:
-    """Return the assembly without loads on control grids, which are the tension of bolts."""
+    """Return the assembly without the loads on control grids, which tighten bolts."""
     loads = {}
     for name, load in assembly.loads.items():
         others = ~np.isin(load.nodes, controls)
@@ -124,10 +123,10 @@ SOLIDS_ARE_CUT = (
 
 
 class CutBolts(NamedTuple):
-    """Bolts of solids: the structure with its cuts, not closed yet, by the ids of the bolts.
+    """Structure with open cuts through bolts of solids.
 
-    Preloads are forces on control grids, by the names of the bolts, and so is by how much bolts are
-    shortened whose control grids are moved.
+    Cuts are given by bolt id. Forces on control grids (preloads) and the shortening of bolts with
+    moved control grids are given by bolt name.
     """
 
     assembly: Assembly
@@ -147,7 +146,7 @@ def cut_bolts(bulk: BulkData, assembly: Assembly, moved: Moved) -> CutBolts:
     for number, card in split.items():
         controls.append(int(bulk.grids.several(card, [card.integer(1)])[0]))
         axis, amounts, shortens = _tension(card, controls[-1], bulk, loads, moved)
-        mesh, cuts[number] = _parted(mesh, number, card, bulk.grids, axis)
+        mesh, cuts[number] = _cut_pairs(mesh, number, card, bulk.grids, axis)
         amount = amounts.get(str(bulk.control.set_of("LOAD")))
         if amount is None and len({*amounts.values()}) == 1:
             amount = next(iter(amounts.values()))
@@ -163,8 +162,8 @@ def cut_bolts(bulk: BulkData, assembly: Assembly, moved: Moved) -> CutBolts:
     if cuts:
         bulk.ignored.append(SOLIDS_ARE_CUT)
         bulk.ignored.extend(
-            f"bolt {number}: {cut.touching} elements touch its section with an edge or a corner "
-            "only and are parted too"
+            f"bolt {number}: {cut.touching} elements touch its section only with an edge or a "
+            "corner and are cut off too"
             for number, cut in cuts.items()
             if cut.touching
         )
@@ -178,7 +177,7 @@ def read_bolts(
     """Return the bolts, named ``bolt-<id>``, and the forces that case control selects.
 
     Without a case control section the only set of BOLTFOR applies. ``closing`` has the ids of the
-    springs that close the cuts of bolts of solids.
+    springs that close the cuts through bolts.
     """
     bolts = {
         number: (closing[number],) if number in closing else _elements(card, beams)
@@ -205,7 +204,7 @@ def _elements(card: Card, beams: tuple[Beam, ...]) -> tuple[int, ...]:
 
 
 def _forces(bulk: BulkData, names: dict[int, str]) -> dict[int, float]:
-    """Force of each bolt by the set that applies."""
+    """Return the force of each bolt in the selected set."""
     sets: dict[int, dict[int, float]] = {}
     for card in bulk.cards.get("BOLTFOR", ()):
         of_set = sets.setdefault(card.integer(0), {})

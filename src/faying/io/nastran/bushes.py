@@ -1,14 +1,14 @@
-"""CBUSH, CBUSH1D, CBEND: springs along and about axes of their own.
+"""CBUSH, CBUSH1D, CBEND: springs along and about local axes.
 
-The arc of a CBEND is symmetric about the plane between its ends. Forces in its plane therefore
-decouple from those across it, and either has a place on that line of symmetry to which three
-springs without coupling can be moved by rigid arms: the elastic centres. Their flexibilities are
-integrals over the arc of the strain energy of a thick curved bar,
+The arc of a CBEND is symmetric about the plane between its ends, so in-plane forces decouple from
+out-of-plane forces. For either kind a point on the line of symmetry, the elastic centre, carries
+three uncoupled springs at the end of rigid arms. Their flexibilities are integrals over the arc of
+the strain energy of a thick curved bar,
 
     (M² / I1 + N² / A - 2 ΔN M N / I1) / 2E + V² / 2 K1 G A    in the plane of the arc,
     (B² / I2) / 2E + (T² / J + V² / K2 A) / 2G                 across it,
 
-with N positive in tension, M where it straightens, and ΔN (DELTAN) from the centroid to the neutral
+with N positive in tension, M if it straightens the bar, and ΔN (DELTAN) from centroid to neutral
 axis towards the centre of curvature. MSC Nastran Quick Reference Guide, CBEND and PBEND.
 """
 
@@ -30,7 +30,7 @@ _ROWS = ("K", "B", "GE", "RCV", "M", "T", "D", "")
 
 
 class _Property(NamedTuple):
-    """What a bush is made of: six stiffnesses and a mass."""
+    """Six stiffnesses and the mass of a bush, and whether it has damping."""
 
     stiffness: tuple[float, ...]
     mass: float
@@ -40,9 +40,9 @@ class _Property(NamedTuple):
 def read_bushes(bulk: BulkData) -> list[Bush]:
     """Read bushes.
 
-    MSC Nastran Quick Reference Guide, CBUSH, remarks 2 to 9: the axes are those of CID (at GA where
+    MSC Nastran Quick Reference Guide, CBUSH, remarks 2 to 9: the axes are those of CID (at GA if
     it is curved), else x runs from GA to GB and the orientation vector lies in the x-y plane; the
-    springs act at the fraction S between the nodes, or at the place given in OCID.
+    springs act at the fraction S between the nodes, or at the point given in OCID.
     """
     properties = {
         name: {
@@ -63,7 +63,7 @@ def read_bushes(bulk: BulkData) -> list[Bush]:
 
 
 def _general(card: Card) -> _Property:
-    """Rows of a word and up to six values: stiffness K, damping B or GE, mass M."""
+    """Read rows of a word and up to six values: stiffness K, damping B or GE, mass M."""
     stiffness, mass, damped = [0.0] * 6, 0.0, False
     for row in range(0, len(card), 8):
         word = card.text(row + 1)
@@ -84,9 +84,9 @@ def _general(card: Card) -> _Property:
 
 
 def _axial(card: Card) -> _Property:
-    """K, C, M; nonlinear springs and dampers follow by name."""
+    """Read K, C, M of a PBUSH1D; refuse nonlinear springs and dampers."""
     if any(card.text(field) for field in range(8, len(card))):
-        card.refuse("a nonlinear spring or damper is not supported; leave K, C and M only", 8)
+        card.refuse("a nonlinear spring or damper is not supported; keep K, C and M only", 8)
     stiffness = [card.real(1, 0.0), *[0.0] * 5]
     return _checked(card, stiffness, card.real(3, 0.0), bool(card.real(2, 0.0)))
 
@@ -149,9 +149,9 @@ def element_axes(card: Card, line: Vector, vector: Vector) -> Matrix:
 
 
 def orientation(card: Card, grids: Grids, start: int, *, basic: bool = False) -> Vector | None:
-    """Return the vector in the x-y plane, in the basic frame; None if the card gives none.
+    """Return the orientation vector in the basic frame; None if the card has none.
 
-    Its components are basic ones, or those of the displacement system of the first grid.
+    The card has basic components, or components in the displacement system of the first grid.
     """
     if not any(card.text(field) for field in (4, 5, 6)):
         return None
@@ -163,7 +163,7 @@ def orientation(card: Card, grids: Grids, start: int, *, basic: bool = False) ->
 
 
 def _place(card: Card, grids: Grids, start: int, line: Vector) -> Vector:
-    """Where the springs act."""
+    """Return the coordinates (3,) where the springs act."""
     if card.cards.name == "CBUSH1D":
         return np.asarray(grids.nodes[start])
     if card.integer(9, -1) >= 0:
@@ -174,7 +174,7 @@ def _place(card: Card, grids: Grids, start: int, line: Vector) -> Vector:
 
 @dataclass(frozen=True, kw_only=True)
 class _Arc:
-    """An arc: the chord from A to B, the direction away from the centre, the angle it spans."""
+    """An arc: chord from A to B, direction away from the centre, radius and angle spanned."""
 
     centre: Vector
     chord: Vector
@@ -184,7 +184,7 @@ class _Arc:
 
 
 def read_bends(bulk: BulkData) -> list[Bush]:
-    """Read curved bars; half of the mass of each is at either end."""
+    """Read curved bars, with half of the mass of each at either end."""
     bushes: list[Bush] = []
     properties = by_id(bulk.cards, "PBEND", what="property")
     heavy = 0

@@ -105,7 +105,7 @@ _ROWS: Mapping[str, str] = {
     "TEMPP1": "SID EID1 TBAR TPRIME",
     "TEMPRB": "SID EID1 TA TB",
     "DEFORM": "SID EID1 D1 EID2 D2 EID3 D3",
-    # sets, contact and bolts, read behind the structure
+    # sets, contact and bolts, read after the structure
     "PARAM": "N V1",
     "SET1": "SID",
     "BSURF": "ID",
@@ -141,7 +141,7 @@ class Field:
     not_negative: bool = False
 
     def fault(self, value: float) -> str:
-        """Return what is wrong with a number; nothing if it may be there."""
+        """Return why a number is out of bounds; an empty text if it is not."""
         if self.positive and not value > 0:
             return "must be positive"
         return "must not be negative" if self.not_negative and not value >= 0 else ""
@@ -155,28 +155,28 @@ def _field(text: str) -> Field:
 FIELDS: Mapping[str, tuple[Field, ...]] = {
     name: tuple(map(_field, fields.split())) for name, fields in _ROWS.items()
 }
-"""Cards that are read, with the fields in front of their lists and rows."""
+"""Supported cards, with the fields before their lists and rows."""
 
 _UNKNOWN = Field(name="")
 
 
 _BEYOND = int(np.iinfo(np.int32).max)
-"""A field no card reaches."""
+"""A field number beyond the end of any card."""
 
 
 def place_of(card: str, name: str) -> int:
-    """Return the number of a field by its name; one that no card reaches where it has none."""
+    """Return the number of a field by name; one beyond any card if the card lacks it."""
     return next((i for i, field in enumerate(FIELDS[card]) if field.name == name), _BEYOND)
 
 
 def field_of(card: str, number: int) -> Field:
-    """Return a field of a card, without a name where the table does not go so far."""
+    """Return a field of a card, without a name if the table lacks it."""
     fields = FIELDS.get(card, ())
     return fields[number] if number < len(fields) and fields[number].name != "." else _UNKNOWN
 
 
 _HARMLESS: Mapping[str, tuple[str, ...]] = {
-    "analysis, solver and output control: faying has its own": (
+    "analysis, solver and output control: the study decides": (
         *("ASET", "ASET1", "BSET", "BSET1", "CSET", "CSET1", "QSET", "QSET1", "OMIT", "OMIT1"),
         *("USET", "USET1", "SESET", "EIGR", "EIGRL", "EIGB"),
         *("EIGC", "EIGP", "FREQ", "FREQ1", "FREQ2", "FREQ3", "FREQ4", "FREQ5", "TSTEP", "TSTEP1"),
@@ -184,7 +184,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("DTI", "ECHOON", "ECHOOFF", "DISPLAY", "PLOTEL", "PLOTEL3", "PLOTEL4", "MONPNT1"),
         *("MONPNT2", "CBARAO", "GROUP", "OUTRCV", "DEBUG", "PANEL"),
     ),
-    "statics of Nastran hold what it names, vibrations do not: write SPC1 where it is a support": (
+    "fixed in Nastran's statics, not in vibrations: write SPC1 for a support": (
         *("SUPORT", "SUPORT1"),
     ),
     "dynamic loads and tables of damping: the study has its own": (
@@ -196,13 +196,11 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("CDAMP1", "CDAMP2", "CDAMP3", "CDAMP4", "CDAMP5", "CVISC"),
         *("PDAMP", "PDAMP5", "PDAMPT", "PVISC"),
     ),
-    "materials have the constants of the reference temperature": (
+    "materials have their constants at the reference temperature": (
         *("MATT1", "MATT2", "MATT3", "MATT8", "MATT9", "MATT11"),
         *("TABLEM1", "TABLEM2", "TABLEM3", "TABLEM4", "TABLEM5"),
     ),
-    "elements have the stiffness of their property at any load and frequency": (
-        *("PBUSHT", "PELAST"),
-    ),
+    "elements have the same stiffness at any load and frequency": (*("PBUSHT", "PELAST"),),
     "heat conduction": (
         *("CHBDYE", "CHBDYG", "CHBDYP", "PHBDY", "CONV", "CONVM", "PCONV", "PCONVM", "QBDY1"),
         *("QBDY2", "QBDY3", "QHBDY", "RADBC", "RADM", "RADSET", "VIEW", "VIEW3D", "MAT4"),
@@ -219,17 +217,17 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("TRIMFNC", "TRIMVAR", "CELLBOX", "CELLWNG", "INPCFD", "LOADMOD", "DMIS"),
         *("FIXMACH", "OMITCFD", "PLTAERO", "PLTMODE", "PLTVG", "PLTCP", "PLTTRIM", "PLTFLUT"),
     ),
-    "rotors do not turn: no gyroscopic terms": (
+    "rotors do not rotate: no gyroscopic terms": (
         *("ROTORD", "ROTORG", "RSPINR", "RSPINT", "RGYRO", "UNBALNC", "ROTPARM"),
     ),
-    "data of failure and of materials that are not linear": ("TABLES1", "TABLEST"),
+    "data of failure and of nonlinear materials": ("TABLES1", "TABLEST"),
     "optimization and sensitivities: nothing is optimized": (
         *("DESVAR", "DVPREL1", "DVPREL2", "DVCREL1", "DVCREL2", "DVMREL1", "DVMREL2", "DVTREL1"),
         *("DVGRID", "DLINK", "DDVAL", "DTABLE", "DRESP1", "DRESP2", "DRESP3", "DCONSTR"),
         *("DCONADD", "DESOBJ", "DOPTPRM", "DSCREEN", "DEQATN", "TOPVAR", "DMNCON", "DMRLAW"),
         *("RANDVAR",),
     ),
-    "matrices that only case control, refused there, puts to use, and names of sets": (
+    "matrices that only refused case control commands use, and names of sets": (
         *("ABSNMVS", "ABSTRCT", "DMIG", "DMI", "DMIJ", "DMIK", "DMIJI", "SET3", "SETREE", "GRDSET"),
     ),
 }
@@ -245,13 +243,13 @@ _REMEDIES = {
 }
 
 ADDED_MASS = ("NSM", "NSM1", "NSML", "NSML1", "NSMADD")
-"""Masses beside those of properties, which case control selects."""
+"""Nonstructural masses that case control selects."""
 
 USERS: Mapping[str, tuple[str, ...]] = {
     "PLPLANE": ("CQUAD", "CQUAD4", "CQUAD8", "CQUADX", "CTRIA3", "CTRIA6", "CTRIAX"),
     "PGAP": ("CGAP",),
 }
-"""Properties that are not read, and the elements that may name them."""
+"""Unsupported properties, and the elements that may name them."""
 
 CARDS = Handling(
     what="card",

@@ -1,6 +1,6 @@
-"""Cards of a deck: fields by number, as columns over all cards of a name or one card at a time.
+"""Cards of a deck: fields by number, as columns of all cards of a name or of a single card.
 
-Field j of a card is where the reference guide puts it: row j // 8, field j % 8 + 2 of the row.
+Field j of a card is field j % 8 + 2 of row j // 8 in the reference guide.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -26,12 +26,12 @@ class Bulk:
     Attributes
     ----------
     fields : (n_field,)
-        Data fields of all cards, one after the other.
+        Data fields of all cards, concatenated.
     names : (n_card,)
     start : (n_card + 1,)
         First field of each card.
     line_start, line : (n_line,)
-        First field of each physical line and its number in ``lines``.
+        First field of each physical line, and its index in ``lines``.
     """
 
     fields: Fields
@@ -63,14 +63,14 @@ class Bulk:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cards:
-    """Cards of one name, or groups of fields that repeat in them.
+    """Cards of one name, or repeating groups of their fields.
 
     Attributes
     ----------
     index, first : (n,)
-        Place of each card in ``bulk``, and the field of the card that is field 0 here.
+        Index of each card in ``bulk``, and the field of the card that is field 0 here.
     size
-        Fields of a group; None goes on to the end of the card.
+        Fields of a group; None means up to the end of the card.
     """
 
     bulk: Bulk
@@ -98,7 +98,7 @@ class Cards:
         return replace(self, index=self.index[which], first=self.first[which])
 
     def groups(self, first: int, size: int) -> "Cards":
-        """Return the groups of fields that repeat from one on; those of blanks are left out."""
+        """Return the repeating groups of fields from ``first`` on, without blank groups."""
         number = np.maximum(-(-(self.count - first) // size), 0)
         card = np.repeat(np.arange(len(self)), number)
         behind = np.arange(len(card)) - np.repeat(np.cumsum(number) - number, number)
@@ -108,7 +108,7 @@ class Cards:
 
     @property
     def whole(self) -> "Cards":
-        """The card of each group."""
+        """Return the whole card of each group."""
         return replace(self, first=np.zeros_like(self.first), size=None)
 
     def place(self, card: int, field: int = 0) -> str:
@@ -128,13 +128,13 @@ class Cards:
         raise self.error(card, text, field)
 
     def refuse_where(self, wrong: Mask, text: Callable[[int], str], field: int = 0) -> None:
-        """Raise the error of the first card that is wrong (n,), if one is."""
+        """Raise the error of the first wrong card, where ``wrong`` (n,) marks any."""
         if wrong.any():
             card = int(wrong.argmax())
             self.refuse(card, text(card), field)
 
     def column(self, field: int) -> Fields:
-        """Field j (n,) of every card as text; empty beyond the end of a card."""
+        """Return field j (n,) of every card as text; empty beyond the end of a card."""
         if not len(self.bulk.fields):
             return np.zeros(len(self), dtype=self.bulk.fields.dtype)
         positions = np.minimum(self.start + field, len(self.bulk.fields) - 1)
@@ -143,29 +143,29 @@ class Cards:
         return texts
 
     def given(self, field: int) -> Mask:
-        """Where field j is not blank."""
+        """Return where field j is not blank."""
         return ~numbers.is_blank(self.column(field))
 
     def words(self, field: int) -> list[str]:
-        """Field j of every card as stripped text."""
+        """Return field j of every card as stripped text."""
         return [text.decode("latin-1").strip("\0 ") for text in self.column(field)]
 
     def integers(self, field: int, default: int | None = None) -> Indices:
-        """Field j (n,) as integers; blank is ``default`` or, without one, an error."""
+        """Return field j (n,) as integers; blank is ``default`` or, without one, an error."""
         raw = self.column(field)
         values, bad = numbers.integers(raw)
         self._check(raw, bad, field, "an integer", default is None)
         return np.where(bad, default or 0, values)
 
     def reals(self, field: int, default: float | None = None) -> Vector:
-        """Field j (n,) as reals; blank is ``default`` or, without one, an error."""
+        """Return field j (n,) as reals; blank is ``default`` or, without one, an error."""
         raw = self.column(field)
         values, bad = numbers.reals(raw)
         self._check(raw, bad, field, "a real number", default is None)
         return np.where(bad, default or 0.0, values)
 
     def vectors(self, fields: Iterable[int]) -> Matrix:
-        """Several fields (n, n_field) as reals, zero where they are blank."""
+        """Return several fields (n, n_field) as reals, zero for blanks."""
         return np.stack([self.reals(field, 0.0) for field in fields], axis=1)
 
     def check_finite(self, vectors: Matrix) -> None:
@@ -182,7 +182,7 @@ class Cards:
             raise self.malformed(card, field, raw[card].decode("latin-1"), kind)
 
     def malformed(self, card: int, field: int, text: str, kind: str) -> FormatError:
-        """Return the error for a field that is not what it should be."""
+        """Return the error for a field of another kind than expected."""
         shown = text.strip("\0 ")
         content = f"'{shown}'" if shown else "nothing"
         name = named(self.name, int(self.first[card]) + field)
@@ -198,14 +198,14 @@ class Cards:
 
 
 def named(card: str, field: int) -> str:
-    """Return what messages call a field: its number in the row, and its name."""
+    """Return the name of a field in messages: its number in the row and its name."""
     name = field_of(card, field).name
     return f"field {field % 8 + 2}" + (f" ({name})" if name else "")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Card:
-    """One card, or a group of its fields, for kinds of small numbers or irregular shapes.
+    """One card or a group of its fields, for rare cards and irregular layouts.
 
     ``first`` is the field of the card that is field 0 here.
     """
@@ -223,11 +223,11 @@ class Card:
         return self.texts[field] if field < len(self.texts) else ""
 
     def place(self, name: str) -> int:
-        """Return the number of a field by its name; one beyond the end where it has none."""
+        """Return the number of a field by name; one beyond the end if the card lacks it."""
         return place_of(self.cards.name, name)
 
     def integer(self, field: int, default: int | None = None) -> int:
-        """Field j as an integer; blank is ``default`` or, without one, an error."""
+        """Return field j as an integer; blank is ``default`` or, without one, an error."""
         text = self.text(field)
         value = default if not text else numbers.integer(text)
         if value is None:
@@ -235,7 +235,7 @@ class Card:
         return value
 
     def real(self, field: int, default: float | None = None) -> float:
-        """Field j as a real within its bounds; blank is ``default`` or, without one, an error."""
+        """Return field j as a real within its bounds; blank is ``default`` or else an error."""
         text = self.text(field)
         value = default if not text else numbers.real(text)
         if value is None:
@@ -253,16 +253,16 @@ class Card:
         raise self.error(text, field)
 
     def named(self, field: int) -> str:
-        """Return what messages call a field: its number in the row, and its name."""
+        """Return the name of a field in messages: its number in the row and its name."""
         return named(self.cards.name, self.first + field)
 
     def groups(self, first: int, size: int) -> list["Card"]:
-        """Return the groups of fields that repeat from one on; those of blanks are left out."""
+        """Return the repeating groups of fields from ``first`` on, without blank groups."""
         groups = (self.part(start, size) for start in range(first, len(self), size))
         return [group for group in groups if any(group.texts)]
 
     def part(self, first: int, size: int) -> "Card":
-        """Return the fields from one on."""
+        """Return ``size`` fields from ``first`` on."""
         return replace(self, texts=self.texts[first : first + size], first=self.first + first)
 
     def where(self) -> str:
@@ -270,7 +270,7 @@ class Card:
         return self.cards.where(self.number)
 
     def choice(self, field: int, allowed: Collection[str], remedy: str = "") -> str:
-        """Return the text of field j, which is one of those allowed."""
+        """Return the text of field j; refuse texts that are not allowed."""
         text = self.text(field)
         if text not in allowed:
             name = field_of(self.cards.name, self.first + field).name or self.named(field)
@@ -287,9 +287,9 @@ class Card:
         kinds: str,
         number: int | None = None,
     ) -> Read:
-        """Return what a field names by its id, or ``number`` in its place.
+        """Return the object with the id in a field, or with id ``number``.
 
-        ``kinds`` are the cards that could define it.
+        ``kinds`` lists the cards that could define it.
         """
         number = self.integer(field) if number is None else number
         if number not in table:
@@ -301,12 +301,12 @@ class Card:
         return np.array([self.real(field, default) for field in fields])
 
     def combination(self) -> list[tuple[float, int, "Card"]]:
-        """Return factors and sets of S, S1, L1, S2, L2, ..., and their fields; S = 1 if blank."""
+        """Return factors, sets and fields of S, S1, L1, S2, L2, ...; S = 1 if blank."""
         overall = self.real(1, 1.0)
         return [(overall * part.real(0), part.integer(1), part) for part in self.groups(2, 2)]
 
     def refuse_given(self, fields: Sequence[int]) -> None:
-        """Raise if one of the fields, which must be blank, is not."""
+        """Refuse fields that are not blank."""
         for field in fields:
             if self.text(field):
                 self.refuse(
@@ -316,7 +316,7 @@ class Card:
                 )
 
     def refuse_non_zero(self, fields: Sequence[int], what: str, remedy: str) -> None:
-        """Raise if one of the fields holds anything but zero."""
+        """Refuse fields with anything but zero."""
         for field in fields:
             text = self.text(field)
             if text and numbers.real(text) != 0.0:
@@ -325,13 +325,13 @@ class Card:
 
 
 def each(cards: Mapping[str, Cards], *names: str) -> Iterator[Card]:
-    """Yield the cards of some names, one name after the other."""
+    """Yield the cards of some names, name by name."""
     for name in names:
         yield from cards.get(name, ())
 
 
 def single(cards: Mapping[str, Cards], name: str) -> Card | None:
-    """Return the card of a name that a deck has once, if it has it."""
+    """Return the only card of a name, None without one; refuse several."""
     listed = list(cards.get(name, ()))
     if len(listed) > 1:
         listed[1].refuse(f"a second {name}; the first is at {listed[0].where()}, keep one")
@@ -339,9 +339,9 @@ def single(cards: Mapping[str, Cards], name: str) -> Card | None:
 
 
 def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:
-    """Return cards by the id in their first field, which occurs once.
+    """Return cards by the id in their first field; refuse ids that occur twice.
 
-    ``what`` is how messages call such a card; its name unless given.
+    ``what`` is the term for such a card in messages, by default its name.
     """
     by_number: dict[int, Card] = {}
     for card in each(cards, *names):
@@ -353,8 +353,8 @@ def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, 
 
 
 def property_of(card: Card, properties: Mapping[int, Read], kinds: str) -> Read:
-    """Return the property of an element, whose own id is that of a blank field.
+    """Return the property of an element; a blank field means the id of the element.
 
-    ``kinds`` names the cards that could define it.
+    ``kinds`` lists the cards that could define it.
     """
     return card.find(properties, 1, "property", kinds, card.integer(1, card.integer(0)))

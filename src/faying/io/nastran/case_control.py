@@ -1,4 +1,4 @@
-"""Case control: which sets of constraints, loads, contact and bolt forces the deck selects."""
+"""Case control: selected sets of constraints, loads, contact and bolt forces."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -18,9 +18,9 @@ _TEMPERATURES = {
     **dict.fromkeys(("", "BOTH"), ("LOAD", "MATERIAL")),
     **{"LOAD": ("LOAD",), "INIT": ("INITIAL",), "MATE": ("MATERIAL",)},
 }
-"""What a set of temperatures is selected for, by the first letters of the option."""
+"""Use of a set of temperatures, by the first letters of the option."""
 _SHORTEST_COMMAND = 4
-"""Letters that are enough for a command."""
+"""Number of letters that identify a command."""
 _BCONTACT = frozenset(("ALLBODY", "NONE", "AUTO"))
 _COMBINATIONS = frozenset(("SUBCOM", "SYM", "SYMCOM", "REPCASE"))
 _SILENT = frozenset(
@@ -32,24 +32,24 @@ _SILENT = frozenset(
 
 
 _Choices = dict[str, int | str]
-"""What commands of the global level or of one subcase select."""
+"""Sets selected by commands of the global level or of a subcase."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class CaseControl:
-    """What case control selects.
+    """Sets selected by case control.
 
     Attributes
     ----------
     chosen
-        Commands and the sets they select; of BCONTACT (MSC) the id of a table, or ``"ALLBODY"``,
+        Commands to the selected sets; for BCONTACT (MSC) the id of a table, or ``"ALLBODY"``,
         ``"AUTO"``, ``"NONE"``. Temperatures are ``TEMPERATURE(LOAD)``, ``(INITIAL)``,
         ``(MATERIAL)``.
     present
-        Whether the deck has a case control section (CEND, or selections), so that what is not
-        selected is not active.
+        Whether the deck has a case control section (CEND, or selections), so that sets not
+        selected are inactive.
     heat
-        Whether the analysis is one of heat transfer, whose constraints are temperatures.
+        Whether the analysis is heat transfer, whose constraints are temperatures.
     """
 
     chosen: Mapping[str, int | str] = field(default_factory=dict)
@@ -57,13 +57,13 @@ class CaseControl:
     heat: bool = False
 
     def set_of(self, command: str) -> int | None:
-        """Return the set that a command selects."""
+        """Return the set selected by a command."""
         chosen = self.chosen.get(command)
         return chosen if isinstance(chosen, int) else None
 
 
 def parameter_lines(lines: Lines) -> Lines:
-    """Return the PARAM lines of case control; DMAP in front of CEND has others."""
+    """Return the PARAM lines of case control; PARAM before CEND is DMAP."""
     start = _behind_cend(lines)
     rows = [i for i in range(start, len(lines.text)) if lines.text[i].lstrip()[:5] == b"PARAM"]
     return Lines(
@@ -75,15 +75,15 @@ def parameter_lines(lines: Lines) -> Lines:
 
 
 def _behind_cend(lines: Lines) -> int:
-    """Return the first line behind CEND; 0 without one."""
+    """Return the index of the first line after CEND; 0 without one."""
     return next((i + 1 for i, line in enumerate(lines.text) if line.strip()[:4] == b"CEND"), 0)
 
 
 def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = None) -> CaseControl:
-    """Read the selections of the global level and of one subcase, which overrides it.
+    """Read the selections of the global level, overridden by those of one subcase.
 
-    It is the first unless its id is given. Of its steps the first counts, but for contact that
-    begins later.
+    The subcase is the first unless its id is given. The first of its steps counts, except for
+    contact that begins later.
     """
     start = _behind_cend(lines) - 1
     common: _Choices = {}
@@ -121,7 +121,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
             word = value.partition(",")[0].strip()
             choice = word if word in _BCONTACT else _number(lines, i, name, value, "a table's id")
             if steps > 1 and of_subcase.get(name, common.get(name, 0)) == 0:
-                ignored.append(f"BCONTACT = {word} is that of a later STEP, for the first has none")
+                ignored.append(f"BCONTACT = {word} comes from a later STEP, as the first has none")
                 of_subcase[name] = choice
             level[name] = choice
         elif name == "ANALYSIS":
@@ -166,7 +166,7 @@ def _subcase(
     subcase: int | None,
     ignored: list[str],
 ) -> _Choices:
-    """Return the selections of the subcase that counts, and note the others."""
+    """Return the selections of the chosen subcase, and note the others."""
     if subcase is not None and subcase not in subcases:
         numbers = ", ".join(map(str, subcases)) or "none"
         kind = combinations.get(subcase)
@@ -192,7 +192,7 @@ def _subcase(
 LUMPED = (
     "masses are consistent here; Nastran lumps them unless PARAM,COUPMASS,1 is given, which lowers "
     "frequencies: by about 3 % at 10 linear elements to a wave, 14 % at 5, and CBAR then have no "
-    "inertia against twist; compare with COUPMASS"
+    "rotary inertia about their axis; compare with COUPMASS"
 )
 """Elements of length h: consistent over lumped frequencies are
 √(3 / (2 + cos k h)), nearly 1 + 3.3 / n² with n elements to a wave."""

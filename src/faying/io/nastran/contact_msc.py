@@ -1,6 +1,6 @@
 """BCTABLE, BCTABL1, BCONECT, BCBODY, BCBODY1, BCONPRG, BCONPRP, BCPARA: contact of MSC Nastran.
 
-Fields as in the MSC Nastran 2022.4 Quick Reference Guide. SECNDRY and PRIMARY were called SLAVE and
+Fields as in the MSC Nastran 2022.4 Quick Reference Guide. SECNDRY and PRIMARY are SLAVE and
 MASTERS in earlier versions.
 """
 
@@ -36,7 +36,7 @@ _HARMLESS_ROWS = frozenset(("FBSH", "BKGL", "SEGS", "SEGTOSEG", "HHHB"))
 
 
 class _Group(NamedTuple):
-    """Touching bodies, the bodies they touch, and their parameters."""
+    """Secondary bodies, the primary bodies they touch, and contact parameters."""
 
     card: Card
     secondary: list[int]
@@ -47,7 +47,7 @@ class _Group(NamedTuple):
 def read_msc_pairs(
     bulk: BulkData, regions: dict[int, Region], ignored: dict[str, None]
 ) -> list[Pair]:
-    """Read the pairs of the contact table that BCONTACT selects; without case control, of all.
+    """Read the pairs of the contact table selected by BCONTACT; of all without case control.
 
     The same two bodies in opposite order are one contact.
     """
@@ -100,7 +100,7 @@ def _common(bulk: BulkData, ignored: dict[str, None]) -> Parameters:
 def friction_of_all_bodies(
     bulk: BulkData, regions: dict[int, Region], elements: Indices, ignored: dict[str, None]
 ) -> float | None:
-    """Return the friction where everything touches everything (BCONTACT = ALLBODY), else None.
+    """Return the friction coefficient of BCONTACT = ALLBODY; None without it.
 
     Elements (n,) are ids of all solids, which the contact bodies must comprise.
     """
@@ -140,7 +140,7 @@ def _selected_groups(bulk: BulkData, ignored: dict[str, None]) -> list[_Group]:
     if chosen == "AUTO":
         refuse(
             "case control asks for BCONTACT = AUTO; name the pairs by BCTABL1 and BCONECT, or take "
-            'it out and let the study find them (minus = plus = "auto")'
+            'it out and let the study find the pairs (minus = plus = "auto")'
         )
     if chosen == "ALLBODY":
         return []
@@ -165,12 +165,12 @@ def _selected_groups(bulk: BulkData, ignored: dict[str, None]) -> list[_Group]:
 
 
 def _sections(card: Card) -> list[tuple[str, list[Card]]]:
-    """Return the rows behind the first of a card: those of either side, in their order."""
+    """Return the rows of each side after the first row of a card, in order."""
     sections: list[tuple[str, list[Card]]] = []
     for row in card.groups(ROW, ROW):
         word = row.text(0)
         if word not in _SIDES and (word or not sections):
-            row.refuse(f"'{word}' stands where SECNDRY or PRIMARY is expected")
+            row.refuse(f"'{word}' occurs where SECNDRY or PRIMARY is expected")
         if word:
             sections.append((_SIDES[word], []))
         sections[-1][1].append(row)
@@ -191,7 +191,7 @@ def _table_groups(card: Card, common: Parameters, ignored: dict[str, None]) -> l
             parameters = _of_table(rows, common, ignored)
             groups.append(_Group(card, [rows[0].integer(1)], [], parameters))
         elif not groups:
-            rows[0].refuse(f"'{rows[0].text(0)}' stands where SECNDRY is expected")
+            rows[0].refuse(f"'{rows[0].text(0)}' occurs where SECNDRY is expected")
         else:
             groups[-1].primary.extend(_bodies(rows))
     count = card.integer(3, 0)
@@ -203,7 +203,7 @@ def _table_groups(card: Card, common: Parameters, ignored: dict[str, None]) -> l
 
 
 def _of_table(rows: list[Card], parameters: Parameters, ignored: dict[str, None]) -> Parameters:
-    """Return the parameters of a touching body in a BCTABLE: of its row, and of those behind."""
+    """Return the parameters of a secondary body in a BCTABLE, from its row and the next ones."""
     for name, field in (("ERROR", 2), ("FRIC", 4), ("CINTERF", 5), ("IGLUE", 6)):
         parameters = with_parameter(parameters, name, rows[0], field)
     harmless = False
@@ -211,9 +211,9 @@ def _of_table(rows: list[Card], parameters: Parameters, ignored: dict[str, None]
         if row.text(1) in _HARMLESS_ROWS:
             harmless, ignored[f"BCTABLE {row.text(1)}"] = True, None
         elif harmless and row.text(1):
-            row.refuse("'' stands where SECNDRY or PRIMARY is expected")
+            row.refuse("'' occurs where SECNDRY or PRIMARY is expected")
         elif not harmless:
-            row.integer(1, 0)  # ISEARCH: which body is searched first
+            row.integer(1, 0)  # ISEARCH: the body searched first
             parameters = with_parameter(parameters, "ICOORD", row, 2)
             parameters = with_parameter(parameters, "JGLUE", row, 3)
     return parameters
@@ -222,7 +222,7 @@ def _of_table(rows: list[Card], parameters: Parameters, ignored: dict[str, None]
 def _connection(
     cards: Mapping[str, Cards], card: Card, parameters: Parameters, ignored: dict[str, None]
 ) -> _Group:
-    """Bodies and parameters of a BCONECT."""
+    """Return bodies and parameters of a BCONECT."""
     for name, field in (("BCONPRG", 1), ("BCONPRP", 2)):
         if card.integer(field, 0):
             named = card.find(by_id(cards, name), field, name, "parameters")
@@ -237,7 +237,7 @@ def _connection(
         listed[side] += [] if given[side] else _bodies(rows)
     secondary, primary = (given[side] or listed[side] for side in sides)
     if not secondary or not primary:
-        card.refuse("it names no touching (SECNDRY) or no touched (PRIMARY) body")
+        card.refuse("it names no secondary (SECNDRY) or no primary (PRIMARY) body")
     return _Group(card, secondary, primary, parameters)
 
 
@@ -247,7 +247,7 @@ _BODIES = ("BCBODY", "BCBODY1", "BCSURF")
 def _body_reader(
     bulk: BulkData, regions: dict[int, Region], ignored: dict[str, None]
 ) -> Callable[[Card, int], tuple[Region, float]]:
-    """Return what reads region and friction of the body that a card names by its id."""
+    """Return a function that reads region and friction of a body named on a card."""
     bodies = by_id(bulk.cards, *_BODIES, what="body")
     properties = by_id(bulk.cards, "BCBDPRP")
 

@@ -1,4 +1,4 @@
-"""Contact pairs of a deck, in whichever dialect they are written."""
+"""Contact pairs of decks of MSC and Simcenter Nastran."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from faying.model.specs import GapRule, InterfaceSpec
 from faying.model.surface import Facets, corner_nodes, facet_centres, facet_normals, padded
 
 DEFAULT_ERROR = 1 / 20
-"""MSC's contact tolerance over the smallest edge of solids, where none is given."""
+"""MSC's default contact tolerance over the smallest edge of solids."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -30,9 +30,9 @@ class Pair:
     Attributes
     ----------
     where
-        Place of the card that makes the pair.
+        File and line of the card that defines the pair.
     parameters
-        Those of its contact set, table or pair.
+        Parameters of its contact set, table or pair.
     """
 
     name: str
@@ -48,12 +48,12 @@ class Pair:
 
     @property
     def glued(self) -> bool:
-        """Whether the two neither open nor slide."""
+        """Whether the regions neither open nor slide."""
         return self.parameters.glued
 
 
 def region_of(regions: dict[int, Region], card: Card, field: int) -> Region:
-    """Return the region a field names."""
+    """Return the region named in a field."""
     return card.find(regions, field, "contact region", "BSURFS, BSURF or BCPROP")
 
 
@@ -78,8 +78,8 @@ def check_distinct(pairs: list[Pair]) -> None:
 def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> InterfaceSpec:
     """Return a pair as an interface, its faces paired across the gaps between them.
 
-    Bodies declare no faces, only that they may touch. Those of their faces that lie farther apart
-    than the size of a face cannot meet at small displacements and are left out.
+    Bodies list no faces. Faces farther apart than the size of a face cannot meet at small
+    displacements and are left out.
     """
     distance = pair.parameters.search_distance
     if pair.minus.facets is None and pair.plus.facets is None:
@@ -103,7 +103,7 @@ def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> Interfa
 
 
 def gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
-    """Return what closes gaps of a pair before the analysis; None if nothing does."""
+    """Return the rule that closes gaps of a pair before the analysis; None without one."""
     parameters = pair.parameters
     closed = [] if parameters.closed_up_to is None else [parameters.closed_up_to]
     if parameters.within_error:
@@ -112,7 +112,7 @@ def gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
 
 
 def glue_distance(pair: Pair, mesh: Mesh) -> float:
-    """Return how far apart surfaces are glued: SDIST of Simcenter, ERROR of MSC."""
+    """Return the largest distance of glued surfaces: SDIST of Simcenter, ERROR of MSC."""
     parameters = pair.parameters
     if np.isfinite(parameters.search_distance):
         return parameters.search_distance
@@ -120,7 +120,7 @@ def glue_distance(pair: Pair, mesh: Mesh) -> float:
 
 
 def _edges(region: Region, mesh: Mesh) -> Vector:
-    """Return the lengths of the edges of a region's faces, or of its bodies'."""
+    """Return the edge lengths of the faces of a region or of its bodies."""
     nodes = _outside(region, mesh).corners
     if region.facets is not None:
         nodes = corner_nodes(region.facets)
@@ -130,7 +130,7 @@ def _edges(region: Region, mesh: Mesh) -> Vector:
 
 
 def _outside(region: Region, mesh: Mesh) -> Facets:
-    """Return the outer faces of a region's elements; of all where it names none."""
+    """Return the outer faces of a region's elements; of all elements if it lists none."""
     faces = mesh.exterior
     if region.elements is None:
         return faces
@@ -143,9 +143,9 @@ def with_shell_sides(
     thicknesses: Mapping[int, float],
     ignored: dict[str, None],
 ) -> tuple[list[Pair], dict[str, float]]:
-    """Put faces in place of regions of shells, half a thickness of their property off their nodes.
+    """Replace regions of shells by faces, half the property's thickness off their nodes.
 
-    With the pairs comes, by name, what is added to the gap of their mesh [length].
+    Returns the pairs, and by name the offset to add to the gap of the mesh [length].
     """
     paired, gaps = [], dict[str, float]()
     for pair in pairs:
@@ -163,7 +163,7 @@ def with_shell_sides(
         gaps[pair.name] = -height
         ignored[
             f"{pair.name}: shells touch on the sides that face the solids, {height:g} off their "
-            "nodes, without the lever of the thickness in tangential motion"
+            "nodes; tangential forces act without the lever arm of half the thickness"
         ] = None
         named = replace(region, name=f"{region.name} of {pair.name}", facets=sides)
         minus, plus = (named if side is region else side for side in (pair.minus, pair.plus))
@@ -205,6 +205,6 @@ def _sides(
     height = np.concatenate(heights)
     if not np.ptp(height) <= DECK_DIGITS * abs(height).max():
         region.card.refuse(
-            "shells of a contact region have thicknesses or offsets that differ; part the region"
+            "shells of a contact region have different thicknesses or offsets; divide the region"
         )
     return np.concatenate(rows), float(height[0])

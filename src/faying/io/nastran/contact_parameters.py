@@ -11,8 +11,7 @@ from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card
 
 FRICTION_REMEDY = (
-    "only Coulomb's friction with one coefficient for a pair is read; remove it, or set friction = "
-    "0 in the study"
+    "faying reads one Coulomb coefficient a pair; remove it, or set friction = 0 in the study"
 )
 HARMLESS = frozenset(
     (
@@ -32,47 +31,47 @@ HARMLESS = frozenset(
         *("GLUETYPE", "PENGLUE", "ESOPT"),
     )
 )
-"""Parameters that leave contact without glue as it is (the study's penalties count)."""
+"""Parameters without effect on contact here, as the study sets the penalties."""
 
 _CHOICES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
     # Largest gap that Simcenter resets to zero; None leaves gaps and penetrations.
     "INIPENE": ("closed_up_to", {"0": None, "1": None, "2": 0.0, "3": np.inf}),
-    # Whether MSC moves nodes onto the other body, as far as they are within ERROR of it.
+    # Whether MSC moves nodes within ERROR of the other body onto it.
     "ICOORD": ("within_error", {"0": False, "1": True, "2": False, "3": True}),
     # MSC's friction: none, or by Coulomb's law, smoothed or bilinear.
     "FTYPE": ("slides", {"0": True, "2": False, "6": False}),
-    # Kinds of glue differ by moments of shells and by gaps that are closed beforehand.
+    # Kinds of glue differ by moments of shells and by gaps closed in advance.
     **dict.fromkeys(("IGLUE", "TIED"), ("glued", {"0": False, **dict.fromkeys("1234", True)})),
 }
-"""Parameters to what of :class:`Parameters` they give, and what their values stand for."""
+"""Names of parameters to fields of :class:`Parameters`, and the meaning of their values."""
 
 _NO_OFFSET = " is not supported; give 'initial_gap' in the study"
 _REFUSALS = {
     **dict.fromkeys(("FTYPE", "MU", "FRICMOD"), f": {FRICTION_REMEDY}"),
     **dict.fromkeys(("CINTERF", "OFFSET", "PDEPTH"), _NO_OFFSET),
-    "JGLUE": ": glue that lets go at a force is not supported; leave it blank",
+    "JGLUE": ": glue that breaks at a force is not supported; leave it blank",
 }
-"""What is said of values that are not read, which are those other than zero without a choice."""
+"""Messages for unsupported values: nonzero values of parameters without choices."""
 
 _WORDS = frozenset(("METHOD",))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Parameters:
-    """What the parameters of a pair amount to.
+    """Contact parameters of a pair.
 
     Attributes
     ----------
     search_distance : [length]
         Largest gap across which faces are paired.
     closed_up_to : [length]
-        Largest gap that is closed before the analysis (INIPENE); None closes none.
+        Largest gap that is closed before the analysis (INIPENE); None for no closing.
     within_error
         Whether gaps within the contact tolerance are closed (ICOORD).
     error : [length]
-        The contact tolerance ERROR; zero leaves it to the program.
+        Contact tolerance ERROR; zero means the program's default.
     friction
-        Coefficient FRIC; None leaves it to the bodies.
+        Coefficient FRIC; None means those of the bodies.
     slides
         Whether MSC's FTYPE = 0 switches friction off, whatever the coefficients.
     glued
@@ -97,7 +96,7 @@ def friction_coefficient(card: Card, field: int) -> float:
     value = numbers.real(text) if text else 0.0
     table = text.isdigit() and value != 0.0
     if value is None or table or not 0 <= value <= LARGEST_FRICTION:
-        what = f"no coefficient from 0 to {LARGEST_FRICTION:g}"
+        what = f"not a coefficient from 0 to {LARGEST_FRICTION:g}"
         card.refuse(
             f"FRIC = {text} is {'the id of a table' if table else what}; {FRICTION_REMEDY}", field
         )
@@ -105,7 +104,7 @@ def friction_coefficient(card: Card, field: int) -> float:
 
 
 def note_friction(ignored: dict[str, None]) -> None:
-    """Note how friction sticks elsewhere."""
+    """Note that stick stiffness comes from the study, not from the deck."""
     ignored[
         "stick stiffness of friction (PENT, RVCNST, FRLIM and the like): the tangential penalty "
         "is automatic unless the study gives tangential_penalty"
@@ -115,7 +114,7 @@ def note_friction(ignored: dict[str, None]) -> None:
 def read_parameters(
     card: Card, ignored: dict[str, None], parameters: Parameters = NO_PARAMETERS
 ) -> Parameters:
-    """Return parameters with those of a card: pairs of names and values behind its id.
+    """Return parameters updated by a card, which has pairs of name and value after its id.
 
     Harmless names are added to ``ignored``.
     """
@@ -130,7 +129,7 @@ def read_parameters(
 
 
 def with_parameter(parameters: Parameters, name: str, card: Card, field: int) -> Parameters:
-    """Return parameters with that of a name, as a field says; a blank changes nothing."""
+    """Return parameters updated by the value in a field; a blank changes nothing."""
     text = card.text(field)
     attribute, choices = _CHOICES.get(name, ("", {}))
     if name == "ERROR":
@@ -148,7 +147,7 @@ def with_parameter(parameters: Parameters, name: str, card: Card, field: int) ->
 
 
 def _pairs(card: Card) -> list[Card]:
-    """Names and values; blank fields may stand between pairs."""
+    """Return pairs of name and value; blank fields may separate them."""
     pairs = []
     field = 1
     while field < len(card):
@@ -157,7 +156,7 @@ def _pairs(card: Card) -> list[Card]:
         word = value and numbers.real(value) is None and name not in _WORDS
         if name and (not name[:1].isalpha() or word):
             pair.refuse(
-                f"'{name}' with '{value}' is no parameter with its value; expected pairs such as "
+                f"'{name}' with '{value}' is not a parameter and its value; expected pairs like "
                 "'PENN', '10.0'"
             )
         pairs += [pair] if name else []

@@ -25,7 +25,7 @@ from faying.io.nastran.regions import Region
 
 @dataclass(frozen=True, kw_only=True)
 class _Kind:
-    """Cards of contact or of glue: of a set, of a sum of sets, and what selects one."""
+    """Names of contact or glue cards: of a set, of a sum of sets, and the command that selects."""
 
     what: str
     card: str
@@ -36,13 +36,13 @@ class _Kind:
 _CONTACT = _Kind(what="contact", card="BCTSET", sums="BCTADD", word="BCSET")
 _GLUE = _Kind(what="glue", card="BGSET", sums="BGADD", word="BGSET")
 _GLUE_DISTANCE = 10.0
-"""Search distance of BGSET where the deck gives none [length], in whatever unit."""
+"""Default search distance of BGSET [length], whatever the unit of the deck."""
 
 
 def read_simcenter_pairs(
     bulk: BulkData, regions: dict[int, Region], ignored: dict[str, None]
 ) -> list[Pair]:
-    """Read the pairs that BCSET and BGSET select; without a case control section, all of them."""
+    """Read the pairs selected by BCSET and BGSET; without case control, all pairs."""
     chosen = _chosen(bulk, _CONTACT, ignored)
     parameters = {number: _parameters(bulk.cards, number, ignored) for number in chosen}
     glue = {number: Parameters(glued=True) for number in _chosen(bulk, _GLUE, ignored)}
@@ -60,7 +60,7 @@ def read_simcenter_pairs(
 
 
 def _chosen(bulk: BulkData, kind: _Kind, ignored: dict[str, None]) -> list[int]:
-    """Return the sets that apply: the selected one, or all without case control."""
+    """Return the active sets: the selected one, or all without case control."""
     sets = dict.fromkeys(card.integer(0) for card in bulk.cards.get(kind.card, ()))
     combined: dict[int, list[int]] = {}
     for number, card in by_id(bulk.cards, kind.sums).items():
@@ -86,14 +86,12 @@ def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None
 def _pairs(
     card: Card, kind: _Kind, regions: dict[int, Region], parameters: Parameters
 ) -> Iterator[Pair]:
-    """Yield the pairs of a card, one a row: source, target, and friction or a distance."""
+    """Yield the pairs of a card, one per row: source, target, and friction or distance."""
     for row in card.groups(0, ROW):
         if not any(row.texts[1:]):
             continue
         if row.first and row.text(0):
-            row.refuse(
-                f"'{row.text(0)}' stands in front of a source region; leave that field blank"
-            )
+            row.refuse(f"'{row.text(0)}' precedes a source region; leave that field blank")
         if kind is _GLUE:
             friction, distance = 0.0, row.real(3, 0.0) or _GLUE_DISTANCE
         else:
@@ -111,14 +109,12 @@ def _pairs(
 def _check_nothing_else(row: Card) -> None:
     if row.real(4, 0.0) > 0:
         row.refuse(
-            f"MIND = {row.text(4)}: contact that spares the closest faces is not supported; leave "
+            f"MIND = {row.text(4)}: contact that skips the closest faces is not supported; leave "
             "it blank",
             4,
         )
     if any(row.texts[6:]):
-        row.refuse(
-            f"'{row.text(6) or row.text(7)}' stands behind MAXD, where nothing is expected", 6
-        )
+        row.refuse(f"'{row.text(6) or row.text(7)}' follows MAXD, where nothing is expected", 6)
 
 
 def _check_offsets(cards: Mapping[str, Cards], pairs: list[Pair]) -> None:

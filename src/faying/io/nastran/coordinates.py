@@ -1,4 +1,4 @@
-"""CORD1R/C/S, CORD2R/C/S: coordinate systems, resolved into the basic frame."""
+"""CORD1R/C/S, CORD2R/C/S: coordinate systems in the basic frame."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ CARDS = "CORD2R, ..."
 """Cards of coordinate systems."""
 
 ON_AXIS = (
-    "GRID on the axis of their displacement system, which has no radial direction there: here "
-    "theirs is along the system's x axis, in Nastran as rounding decides"
+    "GRID on the axis of their displacement system, which has no radial direction there: faying "
+    "takes the system's x axis, Nastran a direction that depends on rounding"
 )
-"""What is said of how many grid points."""
+"""Note on grid points on such an axis, after their number."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -39,7 +39,7 @@ class Frame:
     axes: Matrix
 
     def to_basic(self, points: Matrix) -> Matrix:
-        """Turn coordinates (n, 3) of this system into basic ones."""
+        """Return basic coordinates of points (n, 3) in this system."""
         a, b, c = points.T
         if self.kind == "C":
             angle = np.radians(b)
@@ -55,7 +55,7 @@ class Frame:
         return np.asarray(local @ self.axes + self.origin)
 
     def on_axis(self, points: Matrix) -> Mask:
-        """Tell where basic points (n, 3) have no direction around the axis."""
+        """Return which basic points (n, 3) lie on the axis, without a radial direction."""
         if self.kind == "R":
             return np.zeros(len(points), dtype=bool)
         x, y, _ = ((points - self.origin) @ self.axes.T).T
@@ -101,12 +101,12 @@ BASIC = Frame(kind="R", origin=frozen(np.zeros(3)), axes=frozen(np.eye(3)))
 
 
 def missing_system(number: int) -> str:
-    """Return what is said of a coordinate system that is not there."""
+    """Return the message for a missing coordinate system."""
     return f"coordinate system {number} is not in the deck; define it ({CARDS})"
 
 
 class _Definition(NamedTuple):
-    """A frame still to be resolved: three points (3, 3), and the system each is given in."""
+    """Definition of a frame: three points (3, 3), and the system of each."""
 
     card: Card
     systems: list[int]
@@ -116,9 +116,9 @@ class _Definition(NamedTuple):
 def read_frames(
     cards: Mapping[str, Cards], locate: Callable[[int, Card], tuple[int, Matrix]]
 ) -> dict[int, Frame]:
-    """Resolve all coordinate systems of a deck.
+    """Return all coordinate systems of a deck in the basic frame.
 
-    ``locate`` takes a grid id to the system its coordinates are given in and the coordinates (3,).
+    ``locate`` maps a grid id to its coordinate system and its coordinates (3,) there.
     """
     waiting = _definitions(cards, locate)
     frames = {0: BASIC}
@@ -131,9 +131,9 @@ def read_frames(
         if not ready:
             number, (card, systems, _) = next(iter(waiting.items()))
             card.refuse(
-                f"coordinate system {number} rests on coordinate system "
+                f"coordinate system {number} refers to system "
                 f"{next(system for system in systems if system not in frames)}, which is missing "
-                "or rests on it in turn; define it"
+                "or refers back to it; define it"
             )
         frames |= ready
         waiting = {number: d for number, d in waiting.items() if number not in ready}
@@ -185,7 +185,7 @@ class Systems:
     Attributes
     ----------
     displacement : (n_node,)
-        System the displacement components of each node refer to (CD).
+        System of the displacement components of each node (CD).
     """
 
     frames: Mapping[int, Frame]
@@ -193,12 +193,12 @@ class Systems:
     displacement: Indices
 
     def frame_of(self, card: Card, field: int, number: int | None = None) -> Frame:
-        """Return the system that a field of a card names, or ``number`` for the field."""
+        """Return the system named in a field of a card, or the system ``number``."""
         number = card.integer(field, 0) if number is None else number
         return card.find(self.frames, field, "coordinate system", CARDS, number)
 
     def directions_at(self, cards: Cards, field: int, rows: Indices, points: Matrix) -> Matrix:
-        """Return the directions (n, 3, 3) at points of the systems that a field of cards names.
+        """Return the directions (n, 3, 3) at points of the systems named in a field of cards.
 
         ``rows`` (n,) are the cards of the points.
         """
@@ -213,7 +213,7 @@ class Systems:
 
     @property
     def n_on_axis(self) -> int:
-        """Number of grid points whose directions their system leaves open."""
+        """Number of grid points on the axis of their system."""
         numbers = np.unique(self.displacement[self.displacement != 0]).tolist()
         return sum(
             int(self.frames[number].on_axis(self.nodes[self.displacement == number]).sum())
@@ -221,7 +221,7 @@ class Systems:
         )
 
     def axes(self, node: int) -> Matrix | None:
-        """Directions (3, 3) of the components of a node; None if they are the basic ones."""
+        """Return directions (3, 3) of the components of a node; None for the basic ones."""
         system = int(self.displacement[node])
         if system == 0:
             return None
@@ -229,7 +229,7 @@ class Systems:
         return None if np.allclose(axes, np.eye(3), rtol=0, atol=ROUND_OFF) else axes
 
     def basic_parts(self, node: int, component: int) -> list[tuple[int, float]]:
-        """Return the basic components of a node, with factors, that make up one of its own."""
+        """Return a component of a node as basic components with factors."""
         axes = self.axes(node)
         if axes is None:
             return [(component, 1.0)]
@@ -237,7 +237,7 @@ class Systems:
         return [(first + k, cosine) for k, cosine in enumerate(row) if abs(cosine) > ROUND_OFF]
 
     def axes_of(self, nodes: Indices) -> Matrix:
-        """Directions (n, 3, 3) of the components of several nodes."""
+        """Return directions (n, 3, 3) of the components of several nodes."""
         result = np.broadcast_to(np.eye(3), (len(nodes), 3, 3)).copy()
         system = self.displacement[nodes]
         for number in np.unique(system[system != 0]).tolist():

@@ -30,7 +30,7 @@ def read_average_coupling(card: Card, grids: Grids) -> AverageCoupling:
     texts = [text for text in card.texts[4:] if text]
     if "UM" in texts:
         card.refuse(
-            "a UM set (other dependent components than those of the reference node) is not "
+            "a UM set (dependent components of other nodes than the reference node) is not "
             "supported; remove it and make the reference node the dependent one"
         )
     if "ALPHA" in texts:
@@ -38,7 +38,7 @@ def read_average_coupling(card: Card, grids: Grids) -> AverageCoupling:
     chosen, ids, weights = _groups(card, texts)
     nodes = grids.several(card, ids)
     if reference in nodes or len(np.unique(nodes)) < len(nodes):
-        card.refuse("a node is averaged twice or is the reference node itself; remove it")
+        card.refuse("a node occurs twice in the average or is the reference node; remove it")
     union = tuple(sorted({c for tied_here in chosen for c in tied_here}))
     apart = len(set(chosen)) > 1
     for tied_here in set(chosen):
@@ -60,7 +60,7 @@ def read_average_coupling(card: Card, grids: Grids) -> AverageCoupling:
 
 
 def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[int], list[float]]:
-    """Components, ids and weights of nodes from WT, C, G, G, ..., WT, C, G, ..."""
+    """Return components, ids and weights of nodes from WT, C, G, G, ..., WT, C, G, ..."""
     averaged: list[tuple[int, ...]] = []
     ids: list[int] = []
     weights: list[float] = []
@@ -68,7 +68,7 @@ def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[i
     while i < len(texts):
         weight = numbers.real(texts[i])
         if weight is None or numbers.integer(texts[i]) is not None or not weight > 0:
-            card.refuse(f"'{texts[i]}' stands where a positive real weight is expected")
+            card.refuse(f"'{texts[i]}' occurs where a positive real weight is expected")
         tied = components(texts[i + 1] if i + 1 < len(texts) else "", card.error)
         last = i + 2
         while last < len(texts) and (
@@ -81,15 +81,15 @@ def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[i
         weights += [weight] * len(group)
         i = last
     if not ids:
-        card.refuse("it averages no nodes")
+        card.refuse("it has no nodes to average")
     return averaged, ids, weights
 
 
 def read_equations(bulk: BulkData) -> list[Equation]:
     """Read the selected MPC sets.
 
-    A component in a displacement coordinate system becomes up to three basic ones. The dependent
-    term is then the largest of these that no earlier equation depends on.
+    A component in a displacement coordinate system becomes up to three basic components. The
+    dependent term is the largest of these that is not dependent in an earlier equation.
     """
     mpc = [*bulk.cards.get("MPC", ())]
     sets = selected_sets(bulk, "MPC", {card.integer(0) for card in mpc})
@@ -98,7 +98,7 @@ def read_equations(bulk: BulkData) -> list[Equation]:
 
 
 def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equation:
-    # Each row holds two terms G, C, A behind its first field.
+    # Each row has two terms G, C, A after its first field.
     rows = card.groups(0, ROW)
     for row in rows:
         row.refuse_given([0, 7] if row.first else [7])
@@ -113,8 +113,8 @@ def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equa
     first = next((p for p in candidates if p not in dependent and total[p] != 0.0), None)
     if first is None:
         card.refuse(
-            "its first (dependent) component has coefficient zero or is already the dependent "
-            "one of another MPC; put another component first"
+            "its first (dependent) component has coefficient zero or is already dependent in "
+            "another MPC; put another component first"
         )
     dependent.add(first)
     order = [first, *(dof for dof in total if dof != first)]
@@ -128,7 +128,7 @@ def _term(fields: Card, grids: Grids) -> dict[tuple[int, int], float]:
     node = grids.one(fields, 0)
     chosen = grids.components(np.array([node]), fields.text(1), fields.error)
     if len(chosen) != 1:
-        fields.refuse(f"a term has one component; found '{fields.text(1)}'", 1)
+        fields.refuse(f"expected one component in a term; found '{fields.text(1)}'", 1)
     coefficient = fields.real(2, 0.0)
     parts = grids.systems.basic_parts(node, chosen[0])
     return {(node, c): coefficient * factor for c, factor in parts}

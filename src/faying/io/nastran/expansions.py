@@ -18,17 +18,17 @@ _COEFFICIENTS = frozenset(("A", "A1", "A2", "A3", "A4", "A5", "A6"))
 
 
 class UnreadError(Exception):
-    """What of a set of temperatures is not read."""
+    """An unsupported feature of a set of temperatures."""
 
 
 def unread(text: str) -> NoReturn:
-    """Raise what of a set of temperatures is not read."""
+    """Raise the error of an unsupported feature."""
     raise UnreadError(text)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Expansion:
-    """Strains of a degree, (6,) of MAT1, MAT9, MAT11, (3,) in the plane of MAT2, MAT8."""
+    """Strains per degree: (6,) of MAT1, MAT9, MAT11, (3,) in the plane of MAT2, MAT8."""
 
     strains: Vector
     zero: float
@@ -38,7 +38,7 @@ NOTHING = Expansion(strains=np.zeros(6), zero=0.0)
 
 
 def check_constant(bulk: BulkData) -> None:
-    """Refuse constants that depend on temperature, where case control asks for them."""
+    """Refuse temperature-dependent constants that case control requests."""
     if bulk.control.set_of("TEMPERATURE(MATERIAL)") is None:
         return
     for kind in (1, 2, 8, 9, 11):
@@ -49,7 +49,7 @@ def check_constant(bulk: BulkData) -> None:
 
 
 def read_expansions(cards: Mapping[str, Cards]) -> dict[int, Expansion]:
-    """Return the coefficients of all materials that expand."""
+    """Return the expansion coefficients of all materials that expand."""
     expansions = {}
     for card in each(cards, "MAT1", "MAT2", "MAT8", "MAT9", "MAT11"):
         name = card.cards.name
@@ -65,7 +65,7 @@ def read_expansions(cards: Mapping[str, Cards]) -> dict[int, Expansion]:
 def expansion_of_plate(
     card: Card, expansions: Mapping[int, Expansion], laws: Mapping[int, PlaneMaterial]
 ) -> Expansion | None:
-    """Return the strains of a degree in the plane of a shell; None where there are none."""
+    """Return the strains per degree in the plane of a shell; None without expansion."""
     if card.cards.name == "PSHELL":
         if card.integer(10, 0) in expansions:
             unread(f"{card.where()} with MID4 of a material that expands")

@@ -1,6 +1,6 @@
 """Fields of cards: numbers and component digits, read and written.
 
-A real may be written ``1.5``, ``1.5E-3``, ``1.5D-3`` or ``1.5-3`` (the exponent's letter left out).
+A real may be written ``1.5``, ``1.5E-3``, ``1.5D-3`` or ``1.5-3`` (without exponent letter).
 Fields are byte strings of one width, padded with blanks or NUL.
 """
 
@@ -44,14 +44,14 @@ def integer(text: str) -> int | None:
 
 
 def characters(fields: Fields) -> npt.NDArray[np.uint8]:
-    """Characters (n, width) of fields (n,), blank where there is nothing."""
+    """Return characters (n, width) of fields (n,), padded with blanks."""
     width = fields.dtype.itemsize
     letters = np.ascontiguousarray(fields).view(np.uint8).reshape(len(fields), width)
     return np.maximum(letters, np.uint8(_BLANK))
 
 
 def is_blank(fields: Fields) -> Mask:
-    """Where nothing is written."""
+    """Return which fields (n,) are blank."""
     # Columns are few: a loop over them is faster than a reduction along each short row.
     highest = reduce(np.maximum, characters(fields).T)
     return np.asarray(highest == _BLANK)
@@ -63,7 +63,7 @@ def _texts(letters: npt.NDArray[np.uint8]) -> Fields:
 
 
 def integers(fields: Fields) -> tuple[Indices, Mask]:
-    """Values of integer fields, and where there is no integer (blank included; value 0 there)."""
+    """Return values of integer fields, and where there is no integer (or a blank; value 0)."""
     letters = characters(fields)
     digit = (letters >= _ZERO) & (letters <= _NINE)
     allowed = digit | (letters == _BLANK) | (letters == _PLUS) | (letters == _MINUS)
@@ -81,7 +81,7 @@ def integers(fields: Fields) -> tuple[Indices, Mask]:
 
 
 def _with_exponent_letters(letters: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-    """Turn D into E and insert the E that ``1.5-3`` leaves out."""
+    """Replace D by E and insert the E missing in ``1.5-3``."""
     letters = np.where(letters == _D, np.uint8(_E), letters)
     sign = (letters[:, 1:] == _PLUS) | (letters[:, 1:] == _MINUS)
     previous = letters[:, :-1]
@@ -99,9 +99,9 @@ def _with_exponent_letters(letters: npt.NDArray[np.uint8]) -> npt.NDArray[np.uin
 
 
 def reals(fields: Fields) -> tuple[Vector, Mask]:
-    """Values of real fields, and where there is no finite real (blank included; value 0 there).
+    """Return values of real fields, and where there is no finite real (or a blank; value 0).
 
-    An integer is taken as a real: several preprocessors write them.
+    Integers count as reals, as several preprocessors write them.
     """
     letters = characters(fields)
     digit = (letters >= _ZERO) & (letters <= _NINE)
@@ -121,7 +121,7 @@ def reals(fields: Fields) -> tuple[Vector, Mask]:
 
 
 def format_real(value: float, width: int = 16) -> str:
-    """Shortest text of at most ``width`` characters closest to ``value``, always with a point.
+    """Return the shortest text of up to ``width`` characters closest to ``value``, with a point.
 
     Sixteen columns hold 10 to 15 significant digits (a double has up to 17), eight hold 2 to 7.
     """
@@ -136,7 +136,7 @@ def format_real(value: float, width: int = 16) -> str:
 
 
 def _longest(style: Callable[[float, int], str | None], value: float, width: int) -> str | None:
-    """Text with the most digits that fits and stays finite."""
+    """Return the text with the most digits that fits and stays finite."""
     for digits in range(min(17, width), 0, -1):
         text = style(value, digits)
         if text is None:
@@ -180,7 +180,7 @@ def digits_of(numbers: tuple[int, ...]) -> str:
 
 
 def frame_independent(numbers: tuple[int, ...]) -> bool:
-    """Whether translations and rotations each enter all or not at all.
+    """Return whether all or none of the translations occur, and likewise of the rotations.
 
     Then the components span the same space in any node's coordinate system.
     """
@@ -188,8 +188,8 @@ def frame_independent(numbers: tuple[int, ...]) -> bool:
 
 
 LONGEST_RANGE = 1_000_000
-"""Ids that a range spells out, or cards that one line repeats: more are a slip of the pen, which
-shall not fill the memory."""
+"""Most ids of a range, or cards repeated by one line: more are taken as a mistake that
+would fill the memory."""
 
 LARGEST_ID = 99_999_999
 """Largest id that fits the eight columns of a small field."""
@@ -210,7 +210,7 @@ def small(name: str, values: Sequence[Value]) -> str:
 def large(name: str, values: Sequence[Value]) -> str:
     """Return the lines of a card with four data fields of sixteen columns each.
 
-    Lines come in pairs, as Nastran demands.
+    Lines come in pairs, as Nastran requires.
     """
     texts = [_text(value, 16).ljust(16) for value in values]
     texts += [" " * 16] * (-len(texts) % 8)

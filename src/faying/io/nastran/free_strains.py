@@ -1,8 +1,8 @@
-"""TEMP, TEMPD, TEMPP1, TEMPRB, DEFORM: what strains elements without a force, as loads.
+"""TEMP, TEMPD, TEMPP1, TEMPRB, DEFORM: free strains of elements as loads.
 
 MSC Nastran Quick Reference Guide, TEMPERATURE (case control): TEMPERATURE(LOAD) selects the
-temperatures, TEMPERATURE(INITIAL) those without strain, which are TREF of the materials otherwise.
-Temperatures of elements (TEMPP1, TEMPRB) stand before the mean of those of their grids.
+temperatures, TEMPERATURE(INITIAL) the strain-free temperatures, by default TREF of the materials.
+Temperatures of elements (TEMPP1, TEMPRB) override the mean temperature of their grids.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -49,7 +49,7 @@ from faying.model.specs import BoltSpec
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Field:
-    """Temperatures of nodes (n_node,), NaN where none is given, and of elements by their ids."""
+    """Temperatures of nodes (n_node,), NaN where missing, and of elements by id."""
 
     number: int
     nodes: Vector
@@ -66,27 +66,27 @@ class _Field:
 
 
 class _Change(NamedTuple):
-    """Temperatures, and those without strain: of a set, or TREF of each material."""
+    """Final and strain-free temperatures; without an initial set, TREF of each material."""
 
     final: _Field
     initial: _Field | None
 
     def of_elements(self, ids: Indices, nodes: Indices, zero: float | Vector) -> Vector:
-        """Return by how much (n,) elements of nodes (n, n_node) are warmer than without strain."""
+        """Return the temperature rise (n,) of elements with nodes (n, n_node)."""
         start = zero if self.initial is None else self.initial.of_elements(ids, nodes)
         return self.final.of_elements(ids, nodes) - start
 
     def of_nodes(self, zero: float) -> tuple[Vector, Vector]:
-        """Return the temperatures (n_node,) without strain, and those that act."""
+        """Return strain-free and final temperatures (n_node,) of nodes."""
         nodes = self.final.nodes
         return (np.full_like(nodes, zero) if self.initial is None else self.initial.nodes), nodes
 
 
 def with_free_strains(deck: Deck, bolts: Sequence[BoltSpec]) -> Assembly:
-    """Return the assembly with what temperatures and DEFORM exert added to the selected load.
+    """Return the assembly with the forces of temperatures and DEFORM added to the selected load.
 
-    Where no load set is selected they are loads ``temperature`` and ``deform`` of their own. What
-    is not read spoils the load they belong to, which is left out with a note.
+    If no load set is selected, they become the loads ``temperature`` and ``deform``. A load with an
+    unsupported feature is left out with a note.
     """
     control, assembly = deck.control, deck.assembly
     note = _not_applied(deck)
@@ -120,20 +120,20 @@ def with_free_strains(deck: Deck, bolts: Sequence[BoltSpec]) -> Assembly:
 
 
 _WITHOUT_LOAD = (ALWAYS, f"{ALWAYS}+temperature", "temperature")
-"""Names of what acts where case control selects no load set."""
+"""Names of the loads if case control selects no load set."""
 
 
 def _not_applied(deck: Deck) -> str:
-    """Say why temperatures load nothing; nothing where they do, or there are none."""
+    """Return why temperatures are not applied; empty if they are or there are none."""
     chosen = deck.control.set_of("TEMPERATURE(LOAD)")
     cards = [deck.cards[n] for n in (*TEMPERATURES, *UNREAD_TEMPERATURES) if n in deck.cards]
     if not cards and chosen is None:
         return ""
     what = ", ".join(f"{len(group)} {group.name}" for group in cards)
     if chosen is None:
-        return f"{what}: case control selects none by TEMPERATURE(LOAD), so that nothing expands"
+        return f"{what}: case control selects none by TEMPERATURE(LOAD), so nothing expands"
     if deck.control.heat:
-        return f"{what}: the analysis is one of heat transfer, so that nothing expands"
+        return f"{what}: the analysis is heat transfer, so nothing expands"
     if "temperature" in deck.ignore:
         return f"TEMPERATURE(LOAD) = {chosen}: {IGNORABLE['temperature']} (ignore = temperature)"
     return ""
@@ -148,7 +148,7 @@ def _sum(mechanical: NodalLoads | None, forces: Matrix) -> NodalLoads:
 
 
 def _deformed(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
-    """Return the forces of DEFORM: pairs of a line element and how much longer it is."""
+    """Return the forces of DEFORM, which lists line elements with their elongations."""
     assembly = deck.assembly
     index_of = {beam.id: i for i, beam in enumerate(assembly.beams)}
     nodes = assembly.mesh.nodes
@@ -160,7 +160,7 @@ def _deformed(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
         chosen = True
         for pair in card.groups(1, 2):
             if pair.integer(0) not in index_of:
-                pair.refuse(f"element {pair.text(0)} is no CBAR, CBEAM, CROD, CONROD or CTUBE")
+                pair.refuse(f"element {pair.text(0)} is not a CBAR, CBEAM, CROD, CONROD or CTUBE")
             i = index_of[pair.integer(0)]
             first, second = assembly.beams[i].nodes
             strains[i] += pair.real(1) / np.linalg.norm(nodes[second] - nodes[first])
@@ -172,12 +172,12 @@ def _deformed(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
 def _stretched(assembly: Assembly, strains: Vector, tightened: Collection[int]) -> Matrix:
     for i in np.flatnonzero(strains).tolist():
         if assembly.beams[i].id in tightened:
-            unread(f"what expands in element {assembly.beams[i].id}, a bolt ({UNSEEN}),")
+            unread(f"expansion of element {assembly.beams[i].id}, a bolt ({UNSEEN}),")
     return stretching_forces(assembly, strains)
 
 
 def _thermal(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
-    """Return the forces (n_node, 6) of the selected temperatures."""
+    """Return the thermal forces (n_node, 6) of the selected temperatures."""
     cards, grids, assembly = deck.cards, deck.grids, deck.assembly
     parents = deck.parents
     check_constant(deck)
@@ -210,7 +210,7 @@ def _thermal(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
 
 
 def _check_others(cards: Mapping[str, Cards], expansions: Mapping[int, Expansion]) -> None:
-    """Refuse expansion of elements whose forces are not known."""
+    """Refuse expansion of elements whose thermal forces are not supported."""
     for user, name in (("CBEND", "PBEND"), ("CSHEAR", "PSHEAR")):
         used = {card.integer(1, card.integer(0)) for card in cards.get(user, ())}
         for card in cards.get(name, ()):
@@ -243,13 +243,13 @@ def _field(bulk: BulkData, number: int, parents: Indices) -> _Field:
 
 
 def _of_elements(card: Card) -> Iterator[tuple[int, float]]:
-    """Yield elements and their temperatures; gradients across them are not read."""
+    """Yield elements and their temperatures; refuse gradients across them."""
     rods = card.cards.name == "TEMPRB"
     gradients = range(4, 8) if rods else (3,)
     if any(card.real(field, 0.0) for field in gradients):
         unread(f"{card.where()} with a gradient across the element")
     mean = (card.real(2) + card.real(3)) / 2 if rods else card.real(2)
-    # Fields up to the end of the row, and another row of TEMPRB, serve stresses.
+    # Other fields of the row, and another row of TEMPRB, are for stresses.
     others = [text for text in card.texts[16 if rods else 8 :] if text]
     for number in (card.integer(1), *id_list(card, others)):
         yield number, mean
@@ -271,7 +271,7 @@ def _of_solids(
             unread(f"property {number} (PCOMPS) of a material that expands")
         system = properties[number].integer(2, 0)
         along = np.eye(3) if system == 0 else np.asarray(bulk.grids.systems.frames[system].axes)
-        # What other materials have no temperature for does not matter here.
+        # Temperatures missing for other materials do not matter here.
         used = np.zeros(len(assembly.mesh.nodes), dtype=bool)
         for block in assembly.mesh.blocks:
             used[block.nodes[block.properties == number]] = True
@@ -288,7 +288,7 @@ def _of_shells(
     laws: Mapping[int, PlaneMaterial],
     change: _Change,
 ) -> dict[int, Matrix]:
-    """Return the free strains of shells, by the index of their block."""
+    """Return the free strains of shells, by index of the block."""
     plates = {n: card for name in _PLATES for n, card in by_id(cards, name).items()}
     free_strains: dict[int, Matrix] = {}
     for position, block in enumerate(assembly.shells):
@@ -329,7 +329,7 @@ _PLATES = ("PSHELL", "PCOMP", "PCOMPG")
 
 
 def _of_deck(cards: Mapping[str, Cards], ids: Indices) -> Indices:
-    """Return the properties (n,) of shells in the deck; here thicknesses have their own."""
+    """Return the deck's properties (n,) of shells; thicknesses have extra properties here."""
     shells = [cards[name] for name in SHELL_CARDS if name in cards]
     known, properties = (
         np.concatenate([read(these) for these in shells])
@@ -340,7 +340,7 @@ def _of_deck(cards: Mapping[str, Cards], ids: Indices) -> Indices:
 
 
 def _material_axes(assembly: Assembly, block: ShellBlock, which: Mask) -> Matrix:
-    """Directions (n, 3, 3) of the materials of flat shells: x, y and the normal."""
+    """Return material directions (n, 3, 3) of flat shells: x, y and the normal."""
     frames, _ = flat_frames(assembly.mesh.nodes[block.nodes[which]], block.ids[which])
     x, normal = frames[:, 0], frames[:, 2]
     direction = block.directions[which]

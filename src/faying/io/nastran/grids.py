@@ -1,4 +1,4 @@
-"""GRID, GRDSET, SPOINT, SET1, SPCADD, MPCADD: nodes and sets, and what readers share."""
+"""GRID, GRDSET, SPOINT, SET1, SPCADD, MPCADD: nodes and sets; data shared by readers."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
@@ -27,7 +27,7 @@ class Grids:
     permanent
         Permanent supports (PS): component digits to node indices.
     n_scalar
-        Scalar points, which follow the grid points; they have no place and stand at the mean of
+        Number of scalar points after the grid points. They have no position and get the mean of
         the grid points.
     """
 
@@ -41,14 +41,14 @@ class Grids:
     def components(
         self, nodes: Indices, digits: str, error: Callable[[str], FormatError]
     ) -> tuple[int, ...]:
-        """Return components 0..5 of digits 1..6; scalar points have 0 alone, which may be blank."""
+        """Return components 0..5 of digits 1..6; scalar points have only 0, which may be blank."""
         scalar = len(nodes) and int(nodes.min()) >= len(self.ids) - self.n_scalar
         if scalar and digits in ("", "0"):
             return (0,)
         return components(digits, error)
 
     def index(self, ids: Indices) -> Indices:
-        """Return the indices (n,) of nodes given by id, -1 where there is none."""
+        """Return the indices (n,) of nodes given by id, -1 for unknown ids."""
         if not len(self.ids):
             return np.full(len(ids), -1, dtype=np.int64)
         position = np.searchsorted(self.ids, ids, sorter=self.order)
@@ -56,7 +56,7 @@ class Grids:
         return np.where(self.ids[indices] == ids, indices, -1)
 
     def of_column(self, cards: Cards, field: int, *, blank: bool = False) -> Indices:
-        """Node indices (n,) of field j of every card; -1 where it may be blank and is."""
+        """Return node indices (n,) of field j of every card; -1 for allowed blanks."""
         ids = cards.integers(field, -1 if blank else None)
         index = self.index(ids)
         missing = (index < 0) & (cards.given(field) if blank else True)
@@ -64,7 +64,7 @@ class Grids:
         return index
 
     def one(self, card: Card, field: int) -> int:
-        """Node index of field j of one card."""
+        """Return the node index of field j of one card."""
         number = card.integer(field)
         index = int(self.index(np.array([number]))[0])
         if index < 0:
@@ -72,7 +72,7 @@ class Grids:
         return index
 
     def several(self, card: Card, ids: list[int]) -> Indices:
-        """Node indices (n,) of ids that stand on one card."""
+        """Return node indices (n,) of ids on one card."""
         numbers = np.array(ids, dtype=np.int64)
         index = self.index(numbers)
         if (index < 0).any():
@@ -130,7 +130,7 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
 
 
 def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
-    """Ids of scalar points, each once; elements of nothing else need no SPOINT."""
+    """Return the ids of scalar points; elements that join only scalar points need no SPOINT."""
     names = (f"C{kind}{n}" for kind in ("ELAS", "MASS", "DAMP") for n in "34")
     blocks = [cards[name] for name in names if name in cards]
     of_elements = (block.integers(field, 0) for block in blocks for field in (2, 3))
@@ -140,7 +140,7 @@ def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
         numbers = np.array(id_list(card, card.texts), dtype=np.int64)
         wrong = numbers[(numbers <= 0) | np.isin(numbers, grids)]
         if wrong.size:
-            card.refuse(f"scalar point {wrong[0]} is a GRID as well, or not positive; renumber it")
+            card.refuse(f"scalar point {wrong[0]} is also a GRID, or not positive; renumber it")
         parts.append(numbers)
     return np.unique(np.concatenate(parts))
 
@@ -179,18 +179,18 @@ def _permanent(grid: Cards, default: str) -> dict[str, Indices]:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BulkData:
-    """Cards of a deck by name, with the grid points they refer to.
+    """Cards of a deck by name, with its grid points.
 
     Attributes
     ----------
     control
-        What case control selects.
+        Sets selected by case control.
     mass_factor
-        By which densities and masses are multiplied (PARAM,WTMASS).
+        Factor of densities and masses (PARAM,WTMASS).
     ignored
         Notes so far; readers append theirs.
     materials, shear_factors
-        As of :func:`faying.io.nastran.materials.read_materials`.
+        See :func:`faying.io.nastran.materials.read_materials`.
     """
 
     cards: Mapping[str, Cards]
@@ -202,7 +202,7 @@ class BulkData:
     shear_factors: Mapping[int, float] = field(default_factory=dict)
 
     def material(self, card: Card, field: int) -> tuple[Material, float]:
-        """Return the material that a field names, and its factor of shear."""
+        """Return the material named in a field, and its shear factor."""
         material = card.find(self.materials, field, "material", "MAT1")
         return material, self.shear_factors.get(card.integer(field), 1.0)
 
@@ -212,7 +212,7 @@ def read_sets(
 ) -> tuple[dict[str, Indices], dict[str, Indices]]:
     """Return node sets (indices) and element sets (ids).
 
-    ``set:<n>`` of a SET1 is a node set if all its ids are grids, an element set if all are solid
+    ``set:<n>`` of a SET1 is a node set if all ids are grids, an element set if all are solid
     elements, and both if both hold.
     """
     node_sets: dict[str, Indices] = {}
@@ -234,9 +234,9 @@ def read_sets(
 
 
 def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
-    """Return the ids of the constraint sets that apply: in a deck without case control all.
+    """Return the ids of the active constraint sets; all without case control.
 
-    The kind is ``"SPC"`` or ``"MPC"``; members are ids of the sets that hold constraints.
+    The kind is ``"SPC"`` or ``"MPC"``; members are ids of sets with constraints.
     """
     combined: dict[int, list[int]] = {}
     for card in bulk.cards.get(f"{kind}ADD", ()):
@@ -254,14 +254,14 @@ def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
         if members:
             shown = ", ".join(map(str, sorted(members)))
             said = (
-                f"case control selects none by {kind}, so that they constrain nothing"
+                f"case control selects none by {kind}, so they constrain nothing"
                 if bulk.control.present
-                else "the deck has no case control that would select, so that all apply"
+                else "without case control all apply"
             )
             bulk.ignored.append(f"{kind} sets {shown}: {said}")
         return set() if bulk.control.present else set(members)
     if kind == "MPC" and not members and not combined:
-        bulk.ignored.append(f"case control selects MPC = {chosen}, of which the deck has none")
+        bulk.ignored.append(f"case control selects MPC = {chosen}, which the deck lacks")
         return set()
     if chosen not in members and chosen not in combined:
         refuse(
@@ -274,9 +274,9 @@ def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
 def chosen_sets(
     control: CaseControl, word: str, sets: Collection[int], what: str
 ) -> tuple[list[int], str]:
-    """Return the sets that case control selects by a word, without a section of it all.
+    """Return the sets selected by a command; all without case control.
 
-    Also returned is what is said of sets that nothing selects.
+    Also returned is the note on sets that are not selected.
     """
     chosen, shown = control.set_of(word), ", ".join(map(str, sets)) or "none"
     if chosen is not None and chosen not in sets:

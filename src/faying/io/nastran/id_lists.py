@@ -1,4 +1,4 @@
-"""Lists of ids on cards: single ones, and ranges with THRU, BY and EXCEPT."""
+"""Lists of ids on cards: single ids, and ranges with THRU, BY and EXCEPT."""
 
 from itertools import zip_longest
 
@@ -10,8 +10,8 @@ from faying.io.nastran.cards import Card
 def id_list(card: Card, fields: list[str], known_ids: Indices | None = None) -> list[int]:
     """Return ids from fields with single numbers and ranges ``a THRU b``, with BY and EXCEPT.
 
-    ``a THRU b BY n`` takes every n-th id; EXCEPT takes those behind it out of the range before it,
-    up to the first one that lies outside. Ranges keep their known ids only, if those are given.
+    ``a THRU b BY n`` takes every n-th id. EXCEPT removes the ids after it from the range before it,
+    up to the first id outside. If known ids are given, ranges keep only these.
     """
     texts = [text for text in fields if text]
     ids: list[int] = []
@@ -19,7 +19,7 @@ def id_list(card: Card, fields: list[str], known_ids: Indices | None = None) -> 
     while i < len(texts):
         first, behind = numbers.integer(texts[i]), texts[i + 1 : i + 5]
         if first is None:
-            card.refuse(f"'{texts[i]}' stands where an id is expected")
+            card.refuse(f"'{texts[i]}' occurs where an id is expected")
         if behind[:1] != ["THRU"] or len(behind) == 1:
             ids.append(first)
             i += 1
@@ -35,17 +35,17 @@ def id_list(card: Card, fields: list[str], known_ids: Indices | None = None) -> 
 
 
 def element_list(card: Card, field: int, known_ids: Indices, kind: str, remedy: str) -> list[int]:
-    """Return ids from a field on, of elements of a kind, each once; ``known_ids`` are sorted."""
+    """Return unique ids of elements of a kind from a field on; ``known_ids`` are sorted."""
     ids = id_list(card, card.texts[field:], known_ids)
     unknown = sorted(set(ids) - set(known_ids.tolist()))
     if unknown or not ids:
-        what = f"element {unknown[0]} is no {kind} of the deck" if unknown else "no elements"
+        what = f"element {unknown[0]} is not a {kind} of the deck" if unknown else "no elements"
         card.refuse(f"{what}; {remedy}", field)
     return list(dict.fromkeys(ids))
 
 
 def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
-    """Ids behind EXCEPT that lie in the range before it."""
+    """Return the ids after EXCEPT that lie in the range before it."""
     out: list[int] = []
     for text, following in zip_longest(texts, texts[1:]):
         value = numbers.integer(text)
@@ -60,12 +60,12 @@ def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
 
 
 def _range(card: Card, first: int, texts: list[str], known_ids: Indices | None) -> list[int]:
-    """Ids of a range from ``first`` on; ``texts`` begin with THRU."""
+    """Return the ids of a range from ``first`` on; ``texts`` begin with THRU."""
     last, step = numbers.integer(texts[1]), 1
     if texts[2:3] == ["BY"]:
         step = numbers.integer("".join(texts[3:])) or 0
         if step < 1:
-            card.refuse(f"'BY {' '.join(texts[3:])}' is no positive step between ids")
+            card.refuse(f"'BY {' '.join(texts[3:])}' is not a positive step between ids")
     longest = numbers.LONGEST_RANGE if known_ids is None else 10**18
     if last is None or not first <= last <= first + longest:
         card.refuse(f"'{first} THRU {texts[1]}' is not an ascending range of ids")

@@ -1,4 +1,4 @@
-"""A Nastran deck with what it says about contact and bolts."""
+"""Nastran decks with their contact and bolts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -39,11 +39,11 @@ def read_joint(
     """Read a deck, its contact definitions as interfaces and its bolts with their pretension.
 
     Contact is BCTSET (Simcenter, selected by BCSET) or BCTABLE, BCTABL1, BCONECT (MSC, selected by
-    BCONTACT); interfaces are called ``contact-<source>-<target>`` by the ids of regions or bodies,
-    source (secondary, slave) being the minus side, or ``contact`` where all bodies may touch
+    BCONTACT); interfaces are named ``contact-<source>-<target>`` after ids of regions or bodies,
+    with the source (secondary, slave) as minus side, or ``contact`` if all bodies may touch
     (BCONTACT = ALLBODY). Glue (BGSET, IGLUE, TIED) becomes equations. Bolts are BOLT of CBAR and
-    CBEAM, or of solids that are cut, with BOLTFOR, selected by BOLTLD, or MSC's with a force on
-    their control grids; they are called ``bolt-<id>``.
+    CBEAM, or of cut solids, with BOLTFOR, selected by BOLTLD, or MSC's with a force on
+    their control grids; they are named ``bolt-<id>``.
 
     Parameters
     ----------
@@ -52,19 +52,19 @@ def read_joint(
     subcase
         Subcase whose selections count; the first unless given.
     ignore
-        What the deck has and the model shall not: words of
-        :data:`faying.io.left_out.IGNORABLE`, which says what each means.
+        Features of the deck to leave out of the model: words of
+        :data:`faying.io.left_out.IGNORABLE`, which explains each.
 
     Raises
     ------
     FormatError
-        With file and line: as :func:`faying.io.nastran.read_deck`, or if the contact or a bolt has
-        features that are not represented (interference).
+        With file and line: see :func:`faying.io.nastran.read_deck`, or if the contact or a bolt has
+        unsupported features (interference).
 
     Notes
     -----
-    A deck with case control but without BCSET or BCONTACT has no active contact; what it defines
-    is then named in ``assembly.ignored``. Penalty factors are left to the study.
+    A deck with case control but without BCSET or BCONTACT has no active contact; its contact
+    is then named in ``assembly.ignored``. The study sets the penalty factors.
     """
     with naming(path):
         return _described(read_parts(path, subcase, checked_ignore(ignore)))
@@ -113,7 +113,7 @@ def _described(deck: Deck) -> JointDescription:
         notes[f"coefficients of friction: {IGNORABLE['friction']} (ignore = friction)"] = None
     rules = {pair.name: gap_rule(pair, assembly.mesh) for pair in pairs}
     ignored = (*deck.ignored, *_grouped(notes))
-    # What case control applies, as far as it could be read.
+    # Loads that case control selects, if they could be read.
     chosen = str(deck.control.set_of("LOAD"))
     others = (name for name in deck.assembly.loads if not name.isdigit())
     return JointDescription(
@@ -137,7 +137,7 @@ def _described(deck: Deck) -> JointDescription:
 def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assembly:
     """Read the structure of a deck: Nastran bulk data (small, large, free field) with INCLUDE.
 
-    The page on decks lists the cards that are read; contact and bolts by :func:`read_joint`.
+    The page on decks lists supported cards; :func:`read_joint` reads contact and bolts.
 
     Case control selects SPC, MPC and LOAD (global level and one subcase). Sets that it does not
     select constrain nothing; in a deck without case control all SPC and MPC sets apply. All load
@@ -157,14 +157,14 @@ def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assem
     Returns
     -------
     Assembly
-        In the basic frame. ``element_sets`` has ``pid:<n>`` for every property of solids;
-        ``ignored`` names everything harmless that was left out.
+        The structure in the basic frame. ``element_sets`` has ``pid:<n>`` for solid properties;
+        ``ignored`` names all harmless omissions.
 
     Raises
     ------
     FormatError
         With file and line: a missing file or include, a malformed field, a reference to something
-        that is not there, a duplicate id, or a card that changes the physics and is not supported.
+        that does not exist, a duplicate id, or an unsupported card that changes the physics.
 
     Notes
     -----
@@ -174,7 +174,7 @@ def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assem
 
 
 def _grouped(notes: Mapping[str, None]) -> list[str]:
-    """Join the parameters of one card to one note."""
+    """Join the parameters of a card into one note."""
     groups: dict[str, list[str]] = {}
     for note in notes:
         name, _, subject = note.partition(" ")
@@ -194,7 +194,7 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     Raises
     ------
     FormatError
-        If a region in contact has no exterior face, or faces that no set can name.
+        If a region in contact has no exterior face, or faces that no set can represent.
     """
     assembly = deck.assembly
     element_sets = dict(assembly.mesh.element_sets)
@@ -222,8 +222,8 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
                 node_sets[region.name] = nodes
             elif region.name in used:
                 region.card.refuse(
-                    "a contact region of triangles and quadrilaterals whose grids span other "
-                    "faces too cannot be named; divide it into one region per kind of face"
+                    "a contact region of triangles and quadrilaterals whose grids also span other "
+                    "faces is not supported; divide it into one region per kind of face"
                 )
             else:
                 deck.ignored.append(f"{region.name} (faces of several kinds)")
@@ -249,7 +249,7 @@ def _spanned(nodes: Indices, exterior: Indices) -> int:
 
 
 def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None]) -> Assembly:
-    """Add the equations of pairs that are glued, whose regions the assembly has as sets."""
+    """Add the equations of glued pairs, whose regions are sets of the assembly."""
     if not pairs:
         return assembly
     specs = [
@@ -266,8 +266,8 @@ def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None
     for name, share in partial:
         ignored[f"{name}: {share:.0%} of the smaller surface is glued"] = None
     ignored[
-        "glued surfaces move together where they see each other within the search distance, node "
-        "by node where meshes match and else in the mean (mortar); Nastran's glue is a stiff "
+        "glued surfaces move together where they face each other within the search distance, node "
+        "to node where meshes match and else in the mean (mortar); Nastran's glue is a stiff "
         "penalty or holds node by node"
     ] = None
     return replace(assembly, equations=(*assembly.equations, *equations))

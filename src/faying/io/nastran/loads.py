@@ -1,10 +1,10 @@
 """SLOAD, GRAV, RFORCE, PLOAD1, LOAD: nodal loads by load set.
 
-MSC Nastran Quick Reference Guide, PLOAD1: TYPE names a component along the basic axes (FX, MX, ...)
-or those of the element (FXE, MXE, ...). Without X2, or where it equals X1, P1 acts at X1 alone;
-else the intensity per length goes from P1 at X1 to P2, 0 where that is blank, at X2. X are lengths
+MSC Nastran Quick Reference Guide, PLOAD1: TYPE is a component along the basic axes (FX, MX, ...)
+or the element axes (FXE, MXE, ...). Without X2, or if it equals X1, P1 acts at X1 only;
+else the intensity per length varies from P1 at X1 to P2 (0 if blank) at X2. X are lengths
 (LE, LEPR) or parts of the length (FR, FRPR) from end A; LEPR and FRPR give the intensity per length
-as seen along a basic force.
+projected along a basic force.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,17 +27,17 @@ from faying.model.elements.beam import beam_frames
 _COMPONENTS = [f"{kind}{axis}" for kind in "FM" for axis in "XYZ"]
 _TYPES = (*_COMPONENTS, *(f"{name}E" for name in _COMPONENTS))
 _SCALES = ("LE", "FR", "LEPR", "FRPR")
-# The deflection is cubic, the intensity linear: exact.
+# Exact: the deflection is cubic, the intensity linear.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
 def _on_beams(
     bulk: BulkData, nodes: Matrix, beams: Sequence[Beam], unread: dict[int, str]
 ) -> Iterator[Part]:
-    """Yield the loads of PLOAD1; nodes (n_node, 3) are those at the ends of lines too.
+    """Yield the loads of PLOAD1; nodes (n_node, 3) include those at the ends of lines.
 
     Load sets with loads on CBEND, with moments by projected length, or along axes of elements with
-    I12 are added to ``unread``, with what is not read of them.
+    I12 are added to ``unread``, with the reason.
     """
     loaded = [*_readable(bulk.cards, beams, unread)] if "PLOAD1" in bulk.cards else []
     if not loaded:
@@ -69,7 +69,7 @@ def _on_beams(
 def _readable(
     cards: Mapping[str, Cards], beams: Sequence[Beam], unread: dict[int, str]
 ) -> Iterator[tuple[Card, Beam]]:
-    """Yield the PLOAD1 that are read, and their beams; note the sets of the others."""
+    """Yield the supported PLOAD1 and their beams; note the sets of the others."""
     lines, bends = (
         {card.integer(0) for card in each(cards, *names)}
         for names in (("CBAR", "CBEAM"), ("CBEND",))
@@ -80,11 +80,11 @@ def _readable(
         kind, scale, number = card.choice(2, _TYPES), card.choice(3, _SCALES), card.integer(1)
         beam = by_number.get(number)
         if beam is None and number not in bends:
-            card.refuse(f"element {number} is no CBAR or CBEAM of the deck; correct the id", 1)
+            card.refuse(f"element {number} is not a CBAR or CBEAM of the deck; correct the id", 1)
         if beam is None:
             reason = "on a CBEND"
         elif kind in _COMPONENTS[3:] and scale.endswith("PR"):
-            reason = "with moments by projected length"  # programs do not say what is projected
+            reason = "with moments by projected length"  # manuals do not define the projection
         elif kind.endswith("E") and beam.property in turned:
             reason = "along the axes of an element whose section has I12"
         else:
@@ -94,7 +94,7 @@ def _readable(
 
 
 def _along_beams(cards: Cards, spread: Mask, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]:
-    """Return places (n, 3) in parts of the length, and the forces there (n, 3)."""
+    """Return points (n, 3) as fractions of the length, and the forces there (n, 3)."""
     first, intensity = cards.reals(4), cards.reals(5)
     last = np.where(spread, cards.reals(6, 0.0), first)
     final = np.where(spread, cards.reals(7, 0.0), intensity)
@@ -112,13 +112,13 @@ def _along_beams(cards: Cards, spread: Mask, unit: Vector, length: Vector) -> tu
     stations = places[:, :1] + part * (places[:, 1:] - places[:, :1])
     amounts = intensity[:, None] + part * (final - intensity)[:, None]
     extent = np.abs(places[:, 1] - places[:, 0]) * length
-    # A force at a single place: a third of it at each of three that coincide.
+    # A force at a single point: a third at each of three coincident points.
     weights = np.where(spread[:, None], extent[:, None] * _WEIGHTS / 2, 1 / 3)
     return stations, weights * amounts
 
 
 UNSUPPORTED = (*("ACCEL", "ACCEL1", "GMLOAD", "LSEQ", "QVOL", "SPCR"),)
-"""Static loads that are not read; sets that use them are left out."""
+"""Unsupported static loads; sets with them are left out."""
 
 
 def read_loads(
@@ -127,11 +127,11 @@ def read_loads(
     pulls: Mapping[int | None, Matrix],
     unread: Mapping[int, str],
 ) -> dict[str, NodalLoads]:
-    """Read load sets; the one case control selects comes first.
+    """Read load sets; the set selected by case control comes first.
 
-    A set that uses a kind of load that is not supported is left out, with a note. The structure has
-    all elements, whose mass GRAV and RFORCE act on. Supports are moved by ``pulls`` (n_node, 6), by
-    load set and by SPC (None); sets that are ``unread`` move them otherwise.
+    A set with an unsupported kind of load is left out with a note. GRAV and RFORCE act on all mass
+    of the structure. ``pulls`` are the forces (n_node, 6) that move supports, by load set and for
+    SPC (None); ``unread`` has reasons to leave sets out.
     """
     nodes, chosen = structure.mesh.nodes, bulk.control.set_of("LOAD")
     spoiled = {**unread, **_unsupported(bulk.cards)}
@@ -163,9 +163,7 @@ def read_loads(
         bulk.ignored.append(f"load set {number} ({reason} is not supported)")
         parts.pop(number, None)
     if chosen is not None and chosen not in parts and chosen not in spoiled:
-        bulk.ignored.append(
-            f"case control LOAD = {chosen} (no load of the deck that is read has it)"
-        )
+        bulk.ignored.append(f"case control LOAD = {chosen} (no supported load has it)")
     always = [_part(0, pulls[None])[1:]] if pulls[None].any() else []
     if chosen in parts:
         parts[chosen] += always
@@ -183,7 +181,7 @@ def _part(number: int, forces: Matrix) -> Part:
 
 
 def _on_scalar_points(bulk: BulkData, unread: dict[int, str]) -> Iterator[Part]:
-    """SLOAD: pairs of a scalar point and its load."""
+    """Yield the loads of SLOAD: pairs of a scalar point and its load."""
     if "SLOAD" in bulk.cards:
         pairs = bulk.cards["SLOAD"].groups(1, 2)
         sets, nodes = pairs.whole.integers(0), bulk.grids.of_column(pairs, 0)
@@ -194,7 +192,7 @@ def _on_scalar_points(bulk: BulkData, unread: dict[int, str]) -> Iterator[Part]:
 
 
 def _unsupported(cards: Mapping[str, Cards]) -> dict[int, str]:
-    """Load set to the place of its first load that is not supported."""
+    """Return file and line of the first unsupported load of each load set."""
     unsupported: dict[int, str] = {}
     for card in each(cards, *UNSUPPORTED):
         unsupported.setdefault(card.integer(0), card.where())
@@ -212,11 +210,11 @@ def _merged(parts: list[tuple[Indices, Matrix]]) -> NodalLoads:
 
 
 def _accelerated(bulk: BulkData, structure: Assembly, unread: dict[int, str]) -> Iterator[Part]:
-    """Yield what GRAV and RFORCE exert on everything that has mass.
+    """Yield the forces of GRAV and RFORCE on all masses.
 
-    MSC Nastran Quick Reference Guide: GRAV accelerates by A N; RFORCE turns with A revolutions per
-    unit of time about R through grid G, or the origin. Load sets of cards that are not represented
-    are added to ``unread``, with what is not read of them.
+    MSC Nastran Quick Reference Guide: GRAV accelerates by A N; RFORCE rotates with A revolutions
+    per unit of time about R through grid G, or the origin. Load sets with unsupported cards are
+    added to ``unread``, with the reason.
     """
     nodes = structure.mesh.nodes
     for card in bulk.cards.get("GRAV", ()):
@@ -245,7 +243,7 @@ def _accelerated(bulk: BulkData, structure: Assembly, unread: dict[int, str]) ->
 
 
 def _basic(card: Card, field: int, vector: Vector, grids: Grids) -> Vector | None:
-    """Turn a vector to the basic frame; None if its system has other directions elsewhere."""
+    """Return a vector in the basic frame; None if its system is not rectangular."""
     if card.integer(field, 0) == 0:
         return vector
     frame = grids.systems.frame_of(card, field)

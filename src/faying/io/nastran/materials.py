@@ -1,4 +1,4 @@
-"""Materials: MAT1, MAT2, MAT8, MAT9, MAT11, and the properties and layers that name them."""
+"""Materials MAT1, MAT2, MAT8, MAT9, MAT11, and the properties and layers that use them."""
 
 import math
 from collections import ChainMap, Counter
@@ -26,7 +26,7 @@ SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG", "PSHEAR")
 SOLID_PROPERTIES = ("PSOLID", "PCOMPS")
 
 _LAYERED = {"PCOMP": 4, "PCOMPG": 8, "PCOMPS": 8}
-"""Laminates, and the fields of a layer; where these are a line, an id of the layer is the first."""
+"""Laminates, and the number of fields of a layer; with a line each, the first is its id."""
 
 
 class Layer(NamedTuple):
@@ -44,7 +44,7 @@ def layers(card: Card) -> list[Layer]:
         if not any(card.text(first + j) for j in range(4)):
             continue
         if _LAYERED[card.cards.name] == ROW:
-            card.integer(first - 1)  # the layer's own id, which names results
+            card.integer(first - 1)  # the layer's id, only for results
         below = stack[-1] if stack else None
         layer = Layer(
             material=card.integer(first, below.material if below else None),
@@ -62,13 +62,13 @@ def layers(card: Card) -> list[Layer]:
 
 
 def _places(card: Card) -> list[int]:
-    """First field, the material, of each layer."""
+    """Return the first field of each layer, its material."""
     size = _LAYERED.get(card.cards.name)
     return [] if size is None else [first + size // ROW for first in range(ROW, len(card), size)]
 
 
 def materials_of(cards: Mapping[str, Cards], *names: str) -> frozenset[int]:
-    """Return the ids of the materials that cards name, in fields called MID and in layers."""
+    """Return the ids of the materials on cards, in fields MID and in layers."""
     ids = (
         numbers.integer(card.text(place))
         for card in each(cards, *names)
@@ -78,16 +78,16 @@ def materials_of(cards: Mapping[str, Cards], *names: str) -> frozenset[int]:
 
 
 def _material_fields(name: str) -> list[int]:
-    """Fields behind the first, which is the card's own id, that name materials."""
+    """Return the fields that name materials, without the card's id."""
     return [i for i, field in enumerate(FIELDS[name]) if i and field.name.startswith("MID")]
 
 
 def named_materials(
     bulk: BulkData, names: Iterable[str], named: Container[int], defined: Container[int]
 ) -> Iterator[tuple[int, Card]]:
-    """Yield the materials of some cards that properties name by id, and note the others.
+    """Yield the materials of some cards that properties use, and note the others.
 
-    ``defined`` are those that exist already; what is read is to be added to it.
+    ``defined`` are the known materials; the caller adds the new ones.
     """
     unnamed: Counter[str] = Counter()
     for card in each(bulk.cards, *names):
@@ -98,7 +98,7 @@ def named_materials(
         if number in defined:
             card.refuse(f"material {number} is defined twice; renumber one")
         yield number, card
-    bulk.ignored.extend(f"{count} {name} that no property names" for name, count in unnamed.items())
+    bulk.ignored.extend(f"{count} {name} that no property uses" for name, count in unnamed.items())
 
 
 # Nastran itself warns when E, G and ν disagree by more than one per cent.
@@ -111,17 +111,17 @@ MATERIALS = frozenset(
         *("MATHP", "MATS1", "MATVE", "CREEP"),
     )
 )
-"""Cards of materials that are not isotropic and linear, or of what makes MAT1 so, by its id."""
+"""Cards of nonlinear or anisotropic materials, and cards that make a MAT1 of their id such."""
 
 
 def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float]]:
-    """Return the materials that are used, by id; densities are multiplied by PARAM,WTMASS.
+    """Return the used materials by id, with densities multiplied by PARAM,WTMASS.
 
-    Two of E, G, NU are given, or E alone with NU = 0. Where all three are and contradict each
-    other, solids and the membranes of shells take E and NU, lines and transverse shear of shells
-    G. Also returned is G over E / (2 (1 + NU)) of materials in which they differ: the torsion and
-    shear of lines and the transverse shear of shells are multiplied by it. Materials that only
-    lines name are read with NU = 0 where no Poisson's ratio explains them.
+    Two of E, G, NU are given, or E alone with NU = 0. If all three are given and contradict each
+    other, solids and membranes of shells take E and NU, lines and transverse shear of shells G.
+    Also returned is the ratio of G to E / (2 (1 + NU)) where they differ: a factor of the torsion
+    and shear of lines and the transverse shear of shells. Materials that only lines use get NU = 0
+    if no Poisson's ratio fits E and G.
     """
     materials: dict[int, Material] = {}
     factors: dict[int, float] = {}
@@ -173,7 +173,7 @@ def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float
 
 
 def _constants(card: Card, only_lines: bool, of_shells: bool) -> tuple[float, float, float, str]:
-    """Return E, NU, G over that of both, and what is unusual about the three."""
+    """Return E, NU, the ratio of G to E / (2 (1 + NU)), and any peculiarity of the three."""
     number, filled = card.integer(0), [bool(card.text(j)) for j in (1, 2, 3)]
     youngs, shear, poisson = (card.real(j, 0.0) for j in (1, 2, 3))
     if youngs > 0 and shear > 0:
@@ -187,7 +187,7 @@ def _constants(card: Card, only_lines: bool, of_shells: bool) -> tuple[float, fl
     if filled == [True, False, False] and not of_shells:
         return youngs, 0.0, 0.0, "E alone"
     if sum(filled) < 2:
-        card.refuse(f"material {number} gives {sum(filled)} of E, G, NU; two are needed")
+        card.refuse(f"material {number} has {sum(filled)} of E, G, NU; give two")
     if not filled[0]:
         return 2 * shear * (1 + poisson), poisson, 1.0, ""
     if filled[2]:
@@ -199,14 +199,14 @@ def _constants(card: Card, only_lines: bool, of_shells: bool) -> tuple[float, fl
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PlaneMaterial:
-    """A layer in its own axes.
+    """Material of a shell layer in its own axes.
 
     Attributes
     ----------
     law : (3, 3) [force/length²]
-        Plane stresses per strains (εxx, εyy, γxy).
+        Plane stresses per strain (εxx, εyy, γxy).
     shear : (2, 2) [force/length²]
-        Transverse shear stresses per strains; None is rigid.
+        Transverse shear stresses per strain; None is rigid.
     density : [mass/length³]
     """
 
@@ -235,7 +235,7 @@ def read_plane_materials(bulk: BulkData) -> dict[int, PlaneMaterial]:
 def _anisotropic(card: Card, mass_factor: float) -> PlaneMaterial:
     g11, g12, g13, g22, g23, g33 = (card.real(j, 0.0) for j in range(1, 7))
     law = np.array([[g11, g12, g13], [g12, g22, g23], [g13, g23, g33]])
-    # Where it stands for transverse shear, G33 is blank and the rest is a matrix of two rows.
+    # For transverse shear G33 is blank, and the other fields are a matrix of two rows.
     return PlaneMaterial(law=law, shear=law[:2, :2], density=card.real(7, 0.0) * mass_factor)
 
 
@@ -246,7 +246,7 @@ def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
     minor_ratio = ratio * second / first
     if not abs(ratio * minor_ratio) < 1:
         card.refuse(
-            f"E1 = {first:g}, E2 = {second:g}, NU12 = {ratio:g} is no stable material; correct it"
+            f"E1 = {first:g}, E2 = {second:g}, NU12 = {ratio:g} is an unstable material; correct it"
         )
     scale = 1 / (1 - ratio * minor_ratio)
     law = np.diag([scale * first, scale * second, in_plane])
@@ -259,9 +259,9 @@ def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
 
 
 def read_anisotropic(bulk: BulkData) -> dict[int, Material]:
-    """Return the materials along their own axes by id.
+    """Return the anisotropic materials along their own axes, by id.
 
-    Those that no PSOLID names are left out with a note.
+    Materials that no PSOLID uses are left out with a note.
     """
     anisotropic: dict[int, Material] = {}
     laws = {"MAT9": _general_law, "MAT11": _orthotropic_law}
@@ -279,7 +279,7 @@ def read_anisotropic(bulk: BulkData) -> dict[int, Material]:
 
 
 def along(card: Card, material: Material, systems: Systems) -> Material:
-    """Turn a material to the coordinate system CORDM of its PSOLID."""
+    """Return a material in the coordinate system CORDM of its PSOLID."""
     number = card.integer(2, 0)
     if material.law is None or number == 0:
         return material
@@ -289,9 +289,7 @@ def along(card: Card, material: Material, systems: Systems) -> Material:
         )
     frame = systems.frame_of(card, 2)
     if frame.kind != "R":
-        card.refuse(
-            f"CORDM = {number} is not rectangular; only directions that stay are supported", 2
-        )
+        card.refuse(f"CORDM = {number} is not rectangular; use a rectangular system", 2)
     return replace(material, law=turned(material.law, np.asarray(frame.axes)))
 
 

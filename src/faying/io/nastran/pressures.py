@@ -3,9 +3,9 @@
 MSC Nastran Quick Reference Guide, PLOAD4, remarks 2, 3 and 6: pressure is positive inward; P1 acts
 at G1, the others follow counter-clockwise seen from outside; intensities are interpolated
 (bi)linearly and integrated with the shape functions of the face; a vector N gives the direction of
-a load per unit of (not projected) area. FORCE1 acts from G1 to G2, FORCE2 along the product of G1
-to G2 and G3 to G4; PLOAD acts along the normal of its grids, PLOAD2 along that of its shells, both
-by the right-hand rule.
+a load per unit of (not projected) area. FORCE1 acts from G1 to G2, FORCE2 along the cross product
+of G1-G2 and G3-G4; PLOAD acts along the normal of its grids, PLOAD2 along the normal of its shells,
+both by the right-hand rule.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,11 +24,11 @@ from faying.model.elements import FACES
 from faying.model.surface import rows_by_kind
 
 Part = tuple[Indices, Indices, Matrix]
-"""Load sets (n,), or one (1,), nodes (n,), forces and moments (n, 6)."""
+"""Load sets (n,) or a common one (1,), nodes (n,), forces and moments (n, 6)."""
 
 
 def part_of_faces(cards: Cards, rows: Indices, table: Indices, forces: Matrix) -> Part:
-    """Return the forces on faces (n, n_node) of cards (n,) as loads of nodes."""
+    """Return the forces on faces (n, n_node) of cards (n,) as nodal loads."""
     cards = cards.take(rows)
     cards.check_finite(forces)
     sets = np.repeat(cards.integers(0), table.shape[1])
@@ -38,7 +38,7 @@ def part_of_faces(cards: Cards, rows: Indices, table: Indices, forces: Matrix) -
 def read_pressures(bulk: BulkData, structure: Assembly) -> Iterator[Part]:
     """Yield the forces of all PLOAD4.
 
-    On shells pressure acts along the normal of the element, and THRU names a range of them.
+    On shells pressure acts along the normal of the element, and THRU is a range of elements.
     """
     if "PLOAD4" not in bulk.cards:
         return
@@ -84,7 +84,7 @@ def _on_shells(cards: Cards, grids: Grids, structure: Assembly) -> Iterator[Part
 
 
 def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Indices, Indices]:
-    """Return the loaded faces (n, 8) and which of their corners is G1."""
+    """Return the loaded faces (n, 8) and the index of the corner G1 in each."""
     elements = cards.integers(1)
     first_grid, second_grid = grids.of_column(cards, 6), grids.of_column(cards, 7, blank=True)
     first_corner = np.zeros(len(cards), dtype=np.int64)
@@ -108,7 +108,7 @@ def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Ind
     faces, fitting = find_faces(blocks, elements, fits)
     cards.refuse_where(
         ~fitting,
-        lambda i: f"element {elements[i]} is no solid or shell of the deck; correct the id",
+        lambda i: f"element {elements[i]} is not a solid or shell of the deck; correct the id",
         1,
     )
     cards.refuse_where(
@@ -124,21 +124,21 @@ def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Ind
 
 
 def _pressures(cards: Cards) -> Matrix:
-    """Intensities (n, 4), P1 where nothing else is given."""
+    """Return intensities (n, 4); blanks are P1."""
     first = cards.reals(2)
     columns = [np.where(cards.given(j), cards.reals(j, 0.0), first) for j in (3, 4, 5)]
     return np.stack([first, *columns], axis=1)
 
 
 def _turned(kind: str, pressures: Matrix, first_corner: Indices) -> Matrix:
-    """Order intensities like the corners of the face, which begin elsewhere than at G1."""
+    """Return intensities, given from G1 on, in the order of the corners of the face."""
     n = FACES[kind].n_corners
     order = (np.arange(n) - first_corner[:, None]) % n
     return np.take_along_axis(pressures[:, :n], order, axis=1)
 
 
 def _directions(cards: Cards) -> Matrix:
-    """Vectors (n, 3) in their coordinate systems; zero where the load is a normal pressure."""
+    """Return vectors (n, 3) in their coordinate systems; zero for normal pressures."""
     vectors = cards.vectors((9, 10, 11))
     directed = cards.given(8) | cards.given(9) | cards.given(10) | cards.given(11)
     length = np.linalg.norm(vectors, axis=1)
@@ -159,9 +159,9 @@ def _forces(
     rows: Indices,
     grids: Grids,
 ) -> Matrix:
-    """Consistent forces (n_face, n_node, 3) of pressures at corners, along normals or vectors.
+    """Return consistent forces (n_face, n_node, 3) of pressures along normals or vectors.
 
-    ``sense`` is 1 where pressure acts along the normal, -1 against it.
+    ``sense`` is 1 if pressure acts along the normal, -1 if against it.
     """
     rule = gauss_rule(kind, FACES[kind].pressure_order)
     intensity = pressures @ shape_functions(FACES[kind].linear, rule.points).T
@@ -195,11 +195,11 @@ def read_directed_loads(bulk: BulkData, structure: Assembly) -> Iterator[Part]:
 
 
 _VECTORS = ((0, "FORCE"), (3, "MOMENT"))
-"""First component of forces and of moments."""
+"""First component of forces (0) and of moments (3)."""
 
 
 def _along_system(cards: Cards, grids: Grids) -> Matrix:
-    """Vectors (n, 3): a size times a vector along a coordinate system at the grid."""
+    """Return vectors (n, 3): magnitude times a vector in a coordinate system at the grid."""
     nodes, rows = grids.of_column(cards, 1), np.arange(len(cards))
     vectors = cards.vectors((4, 5, 6))
     axes = grids.systems.directions_at(cards, 2, rows, grids.nodes[nodes])
@@ -207,7 +207,7 @@ def _along_system(cards: Cards, grids: Grids) -> Matrix:
 
 
 def _along_grids(cards: Cards, grids: Grids) -> Matrix:
-    """Vectors (n, 3) along one line between grids, or across two."""
+    """Return vectors (n, 3) along a line between grids, or normal to two lines."""
     points = [grids.nodes[grids.of_column(cards, field)] for field in (3, 4)]
     vectors = points[1] - points[0]
     if cards.name.endswith("2"):
@@ -246,7 +246,7 @@ def _along_shells(cards: Cards, structure: Assembly) -> Iterator[Part]:
 
 
 def _normal_to(kind: str, cards: Cards, rows: Indices, table: Indices, nodes: Matrix) -> Part:
-    """Return what the pressures of cards (n,) exert along the normals of faces (n, n_node)."""
+    """Return nodal loads of the pressures of cards (n,) along normals of faces (n, n_node)."""
     area = face_areas(kind, nodes[table])
     forces = nodal_forces(kind, area * cards.reals(1)[rows, None, None])
     return part_of_faces(cards, rows, table, forces)

@@ -1,4 +1,4 @@
-"""Read the structure a Nastran deck describes."""
+"""Structure of a Nastran deck."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -67,26 +67,26 @@ TEMPERATURES = ("TEMP", "TEMPD", "TEMPP1", "TEMPRB")
 UNREAD_TEMPERATURES = (
     *("TEMPG", "TEMPN1", "TEMPP3", "TEMPF", "TEMPBC", "TEMPADD", "TEMPT", "TEMPB3", "TEMPEX"),
 )
-"""Temperatures that are not read; nothing is loaded by a set with one of them."""
+"""Unsupported cards of temperatures; sets with them load nothing."""
 _READ = frozenset((*FIELDS, *UNSUPPORTED, *UNREAD_TEMPERATURES))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Deck(BulkData):
-    """A deck in parts: the structure, and what readers of contact and bolts need besides.
+    """A deck in parts: the structure, and other data for the readers of contact and bolts.
 
     Attributes
     ----------
     ignore
-        What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
+        Features left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
     moved
-        What SPC and SPCD displace, control grids of bolts too.
+        Displacements by SPC and SPCD, also of control grids of bolts.
     parents : (n_node, 2)
-        Nodes of the deck whose mean each node stands for: one twice, or both ends of a side.
+        Nodes of the deck whose mean each node is: the same one twice, or both ends of a side.
     plane
         Materials of shells.
     thicknesses : [length]
-        Of shells, by property.
+        Thicknesses of shells, by property.
     """
 
     assembly: Assembly
@@ -109,7 +109,7 @@ def read_parts(
     ignored: list[str] = []
     control = read_case_control(control_lines, ignored, subcase)
     _check_supported(cards, control, ignored, ignore, path)
-    # Overflow is caught by the finiteness checks, where the line can be named.
+    # Finiteness checks catch overflow, where the line can be named.
     with np.errstate(over="ignore", invalid="ignore"):
         given = parameters(cards, read_cards(parameter_lines(control_lines)))
         factor = mass_factor(given, ignored)
@@ -222,14 +222,14 @@ def _check_supported(
     ignore: frozenset[str],
     path: Path,
 ) -> None:
-    """Refuse cards that may change the structure, all at once; note what is left out."""
+    """Refuse all unsupported cards that may change the structure; note the other omissions."""
     named = materials_of(cards, *FIELDS)
     unread = []
     for name, cards_of_name in cards.items():
         if name in _READ:
             continue
         if name in USERS and not any(user in cards for user in USERS[name]):
-            ignored.append(f"{len(cards_of_name)} {name} that no element names")
+            ignored.append(f"{len(cards_of_name)} {name} that no element uses")
             continue
         if name in ADDED_MASS and control.present and control.set_of("NSM") is None:
             ignored.append(f"{len(cards_of_name)} {name}: case control selects none by NSM")
@@ -238,7 +238,7 @@ def _check_supported(
         if name in MATERIALS:
             used = [card.number for card in cards_of_name if card.integer(0) in named]
             if not used:
-                ignored.append(f"{len(cards_of_name)} {name} that no property names")
+                ignored.append(f"{len(cards_of_name)} {name} that no property uses")
                 continue
             first = used[0]
         unread.append(

@@ -1,7 +1,7 @@
 """BSURF, BSURFS, BCPROP, BCPROPS: contact regions on solids.
 
 Simcenter Nastran Quick Reference Guide, BSURFS: an element and three corner grids of its face;
-BSURF and BCPROP(S) name elements and properties, whose exterior faces are the region.
+BSURF and BCPROP(S) list elements and properties, whose exterior faces are the region.
 """
 
 from collections.abc import Sequence
@@ -27,18 +27,18 @@ from faying.model.surface import rows_by_kind
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Region:
-    """A contact region: the card and what it selects.
+    """A contact region: its card and the selected faces or elements.
 
     Attributes
     ----------
     name
-        Face set or element set of the assembly.
+        Name of the face set or element set of the assembly.
     facets : (n_facet, 8)
-        Of BSURFS: node indices, -1 behind the last; of several kinds perhaps.
+        Node indices of the faces of BSURFS, padded with -1; several kinds may be mixed.
     elements : (n,)
-        Of the other cards: element ids.
+        Element ids of the other cards.
     shells : (n,)
-        Of BSURF of shells: element ids; ``facets`` are then those of the side that touches.
+        Element ids of BSURF of shells; ``facets`` are then the touching side.
     """
 
     card: Card
@@ -48,14 +48,14 @@ class Region:
     shells: Indices | None = None
 
     def on_sides_of(self, mesh: Mesh, cuts: Sequence[Cut]) -> "Region":
-        """Return the region on a mesh that was cut."""
+        """Return the region on a mesh with cuts."""
         if self.facets is None or not cuts:
             return self
         return replace(self, facets=on_their_sides(mesh, cuts, self.facets))
 
     @property
     def face_set(self) -> FaceSet | None:
-        """The faces of BSURFS if they are of one kind."""
+        """Return the faces of BSURFS; None if they are of several kinds."""
         if self.facets is None or not len(self.facets):
             return None
         kinds = list(rows_by_kind(self.facets))
@@ -65,11 +65,11 @@ class Region:
 
 
 _SIDES = {f"S{number}": number for number in range(1, 7)}
-"""Sides of CHEXA that BCSURF names."""
+"""Sides of CHEXA on BCSURF."""
 
 
 def read_regions(bulk: BulkData, solids: Sequence[CellBlock], shells: Indices) -> dict[int, Region]:
-    """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs."""
+    """Read contact regions by id; BCSURF, which are contact bodies, by negative id."""
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids)])
     properties = np.concatenate([ids[:0], *(block.properties for block in solids)])
     regions = {
@@ -93,7 +93,7 @@ def _region(
     properties: Indices,
     shells: Indices,
 ) -> Region:
-    """Return the region of a card; ids and properties (n,) are those of all solids."""
+    """Return the region of a card, given ids and properties (n,) of all solids."""
     kind = card.cards.name
     region = Region(card=card, name=f"{kind.lower().replace('props', 'prop')}:{card.integer(0)}")
     if kind == "BSURFS":
@@ -111,14 +111,14 @@ def _region(
 
 
 def _sides(card: Card, solids: Sequence[CellBlock]) -> Indices:
-    """Faces (n, 8) of rows with an element, the side of it, and ELEM."""
+    """Return the faces (n, 8) of rows with an element, its side, and ELEM."""
     rows = card.groups(ROW, ROW)
     for row in rows:
         odd = numbers.integer(row.text(0)) is None or row.text(1) not in _SIDES
         if odd or [text for text in row.texts[2:] if text] != ["ELEM"] or card.text(4) != "FACE":
             row.refuse(
                 f"'{', '.join(filter(None, row.texts))}'; supported are rows of a CHEXA, its side "
-                "S1 to S6 and ELEM, behind FACE; name faces by BSURFS"
+                "S1 to S6 and ELEM, after FACE; name faces by BSURFS"
             )
     elements = np.array([row.integer(0) for row in rows], dtype=np.int64)
     numbers_of = np.array([_SIDES[row.text(1)] for row in rows], dtype=np.int64)
@@ -127,19 +127,19 @@ def _sides(card: Card, solids: Sequence[CellBlock]) -> Indices:
     missing = np.flatnonzero(faces[:, 0] < 0)
     if missing.size:
         row = rows[missing[0]]
-        row.refuse(f"element {row.text(0)} is no CHEXA of the deck; name faces by BSURFS")
+        row.refuse(f"element {row.text(0)} is not a CHEXA of the deck; name faces by BSURFS")
     return np.unique(faces, axis=0)
 
 
 def _facets(card: Card, grids: Grids, solids: Sequence[CellBlock]) -> Indices:
     if any(card.texts[1:4]):
         card.refuse("fields 3 to 5 must be blank; the first element id belongs in field 6", 1)
-    # Behind three blanks, groups of an element and three grids of its face.
+    # After three blanks, groups of an element and three grids of its face.
     groups = card.groups(4, 4)
     for group in groups:
         if None in [numbers.integer(text) for text in group.texts]:
             shown = ", ".join(group.texts)
-            group.refuse(f"'{shown}' is no element id with three grid ids of its face")
+            group.refuse(f"'{shown}' is not an element id with three grid ids of its face")
     values = [[group.integer(j) for j in range(4)] for group in groups]
     table = np.array(values, dtype=np.int64).reshape(-1, 4)
     nodes = grids.several(card, table[:, 1:].ravel().tolist()).reshape(-1, 3)
@@ -154,12 +154,12 @@ def _facets(card: Card, grids: Grids, solids: Sequence[CellBlock]) -> Indices:
     faces, fitting = find_faces(solids, table[:, 0], fits)
     if not fitting.all():
         solids_are = ", ".join(SOLID_CARDS)
-        card.refuse(f"element {table[~fitting, 0][0]} is no solid of the deck; name {solids_are}")
+        card.refuse(f"element {table[~fitting, 0][0]} is not a solid here; name {solids_are}")
     wrong = np.flatnonzero(faces[:, 0] < 0)
     if wrong.size:
         element, *corners = table[wrong[0]].tolist()
         card.refuse(
-            f"grids {', '.join(map(str, corners))} are no three corners of one face of element "
+            f"grids {', '.join(map(str, corners))} are not three corners of one face of element "
             f"{element}; correct them"
         )
     return np.unique(faces, axis=0)

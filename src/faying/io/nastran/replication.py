@@ -1,4 +1,4 @@
-"""Bulk data written out: folded free-field lines, and cards made of the card above."""
+"""Expansion of folded free-field lines, and of cards that repeat the card above."""
 
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -16,22 +16,22 @@ _STEP = re.compile(rb"\*(?:\(([^()]+)\)|([^()]+))")
 
 @dataclass(frozen=True, kw_only=True)
 class _Above:
-    """The card above: name and fields, and what was last added to each."""
+    """The card above: name and fields, and the last increment of each."""
 
     fields: list[bytes]
     steps: dict[int, Decimal]
 
 
 Edits = Iterator[tuple[int, int, Sequence[bytes]]]
-"""As of :func:`faying.io.deck_lines.edited`."""
+"""Edits for :func:`faying.io.deck_lines.edited`."""
 
 
 def replicated(text: LineTexts, where: Callable[[int], str]) -> Edits:
-    """Yield the cards that repeat the one above, written out in free field.
+    """Yield cards that repeat the card above, written out in free field.
 
-    ``=`` repeats a field of the card above, ``==`` this and all behind it, ``*d`` adds d to it; a
-    line ``=n`` repeats the last line n times more, adding again. Cards of one line only. The text
-    is without comments; ``where`` tells file:line.
+    ``=`` repeats a field of the card above, ``==`` this and all later ones, ``*d`` adds d to it; a
+    line ``=n`` repeats the last line n more times, adding again. Cards have one line. The text
+    has no comments; ``where`` returns file:line.
     """
     done = 0
     above: _Above | None = None
@@ -50,12 +50,12 @@ def replicated(text: LineTexts, where: Callable[[int], str]) -> Edits:
 
 
 def _split(line: bytes) -> list[bytes]:
-    """Name and eight fields of a line."""
+    """Return name and eight fields of a line."""
     if b"," in line:
         parts = [part.strip() for part in line.split(b",")]
     else:
         flat = line.expandtabs(8)
-        # A count of repetitions may be longer than its field, as numbers of Nastran are not.
+        # Only a number of repetitions may be longer than its field.
         if match := _TIMES.fullmatch(flat[:72].strip()):
             return [match[0], *[b""] * numbers.ROW]
         parts = [flat[k : k + 8].strip() for k in range(0, min(len(flat), 72), 8)]
@@ -69,17 +69,17 @@ def _continues(line: bytes) -> bool:
 def _card(text: LineTexts, i: int, where: str) -> _Above:
     if _continues(text[i]) or b"*" in text[i].partition(b",")[0][:8]:
         refuse(
-            f"{where}: the card above has several lines or fields of sixteen columns, which is not "
-            "repeated; write the card out"
+            f"{where}: the card above has several lines or fields of sixteen columns, which cannot "
+            "be repeated; write the card out"
         )
     return _Above(fields=_split(text[i]), steps={})
 
 
 def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], _Above]:
-    """Cards that a line makes, and the last of them."""
+    """Return the cards made by a line, and the last of them."""
     times = _TIMES.fullmatch(row[0])
     if times is None and row[0] not in (b"=", b"=="):
-        refuse(f"{where}: '{_shown(row[0])}' is no name of a card; = repeats one, =n n times")
+        refuse(f"{where}: '{_shown(row[0])}' is not a card name; = repeats one, =n n times")
     if times is None:
         fields, steps = _derived(row, above, where)
         return [b",".join(fields)], _Above(fields=fields, steps=steps)
@@ -101,7 +101,7 @@ def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes],
 
 
 def _derived(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], dict[int, Decimal]]:
-    """Fields of a card that says what it repeats, and what it adds to each."""
+    """Return the fields of a card that repeats others, and the increment of each."""
     fields = [above.fields[0]]
     steps: dict[int, Decimal] = {}
     for k in range(1, numbers.ROW + 1):
@@ -113,14 +113,14 @@ def _derived(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], 
             steps[k] = _decimal(match[1] or match[2], where)
             fields.append(_sum(above.fields[k], steps[k], where))
         elif row[k][:1] == b"*":
-            refuse(f"{where}: '{_shown(row[k])}' is nothing to add to a field; write the card out")
+            refuse(f"{where}: '{_shown(row[k])}' cannot be added to a field; write the card out")
         else:
             fields.append(row[k])
     return fields, steps
 
 
 def _sum(field: bytes, step: Decimal, where: str) -> bytes:
-    """Count a field on; what was a real stays one."""
+    """Return a field plus a step; reals stay reals."""
     total = _decimal(field, where) + step
     whole = numbers.integer(field.decode("latin-1")) is not None and total == int(total)
     return str(int(total)).encode() if whole else repr(float(total)).upper().encode()
@@ -130,7 +130,7 @@ def _decimal(field: bytes, where: str) -> Decimal:
     text = field.decode("latin-1").strip()
     value = numbers.real(text)
     if value is None:
-        refuse(f"{where}: '{text}' is no number to count on; write the card out")
+        refuse(f"{where}: '{text}' is not a number to add to; write the card out")
     return Decimal(repr(value))
 
 
@@ -139,15 +139,15 @@ def _shown(text: bytes) -> str:
 
 
 _LONG = frozenset((b"CORD2R", b"CORD2C", b"CORD2S"))
-"""Cards whose eleven fields are written in one line; in others a ninth is likely a slip."""
+"""Cards with eleven fields in a line; in others a ninth field is probably a mistake."""
 
 
 def unfolded(text: LineTexts) -> Edits:
-    """Yield free-field cards that are continued another way in lines of eight.
+    """Yield free-field cards in lines of eight fields, whatever their continuation.
 
-    A line that ends with a comma goes on in the next one, which then begins with data and not with
-    a blank field; and one line may hold the eleven fields of CORD2R. Of DEQATN, whose commas
-    separate arguments, the name is left. The text is without comments.
+    A line that ends with a comma continues on the next line, which then begins with data instead
+    of a blank field. One line may have the eleven fields of CORD2R. Only the name of DEQATN is
+    kept, as its commas separate arguments. The text has no comments.
     """
     done = 0
     for start in _special(text):
@@ -167,7 +167,7 @@ def unfolded(text: LineTexts) -> Edits:
 
 
 def _special(text: LineTexts) -> list[int]:
-    """Return the lines that may need another form, of which a deck has few."""
+    """Return the few lines that may need another form."""
     free = [
         i
         for i in text.holding(b",").tolist()
@@ -178,13 +178,13 @@ def _special(text: LineTexts) -> list[int]:
 
 
 def _folded(line: bytes, following: bytes) -> bool:
-    """Whether a line goes on in the next one, which begins with a number."""
+    """Return whether a line continues on the next one, which begins with a number."""
     first = following.lstrip()[:1]
     return line.rstrip().endswith(b",") and b"," in following and first.isdigit()
 
 
 def _rows(lines: LineTexts) -> list[bytes] | None:
-    """Fold the fields of one card, or of one line of it, into lines of eight, None if they are."""
+    """Return the fields of a card or line in lines of eight; None if they are so already."""
     parts = [part.strip() for line in lines for part in line.rstrip().rstrip(b",").split(b",")]
     name, data = parts[0], parts[1:]
     if len(data) <= ROW or (len(lines) == 1 and name not in _LONG):

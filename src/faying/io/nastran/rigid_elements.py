@@ -1,13 +1,13 @@
 """RBE2, RBAR, RBE1, RROD, RTRPLT, RSSCON: rigid bodies, and shells clamped to solids.
 
-The independent components u_i = A q fix the rigid motion q of the element; its dependent ones are
-equations u_d = D A⁻¹ u_i. RBE2, the case of one independent node, is a coupling of its own unless
-single components are tied in a displacement system that is not the basic one.
+The independent components u_i = A q determine the rigid motion q of the element; the dependent
+components follow from equations u_d = D A⁻¹ u_i. RBE2 has one independent node and is a coupling,
+unless single components are tied in a displacement system other than the basic one.
 
 MSC Nastran Quick Reference Guide, RSSCON: translations of the edge are those of the solid, and its
-two rotations follow what the lower and upper edges of the face do to each other. With A below and B
-above a node of the shell at the part t of h = x_B - x_A its motion is u = (1 - t) u_A + t u_B, and
-θ = h × (u_B - u_A) / h² but for the turn about h, which stays that of the shell.
+two rotations follow the relative motion of the lower and upper edges of the face. A node of the
+shell at the fraction t of h = x_B - x_A, from A below to B above, moves by u = (1 - t) u_A + t u_B,
+θ = h × (u_B - u_A) / h²; the rotation about h remains that of the shell.
 """
 
 from collections.abc import Iterator, Sequence
@@ -36,7 +36,7 @@ Place = tuple[int, int]
 
 
 def read_rigid_elements(bulk: BulkData) -> tuple[list[RigidCoupling], list[Equation]]:
-    """Read RBE2, RBAR, RBE1, RROD and RTRPLT; thermal coefficients at their ends are left out."""
+    """Read RBE2, RBAR, RBE1, RROD and RTRPLT, without thermal coefficients."""
     couplings: list[RigidCoupling] = []
     equations: list[Equation] = []
     for name, sides in (("RBE2", _rbe2), ("RBAR", _ends), ("RTRPLT", _ends), ("RBE1", _rbe1)):
@@ -68,12 +68,12 @@ def read_rigid_elements(bulk: BulkData) -> tuple[list[RigidCoupling], list[Equat
 
 
 def _rbe2(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
-    """All components of the independent node, and those of the dependent ones."""
+    """Return all components of the independent node, and components of the dependent nodes."""
     reference = grids.one(card, 1)
     chosen = components(card.text(2), card.error)
     texts = [text for text in card.texts[3:] if text]
     if texts and "." in texts[-1]:
-        texts.pop()  # ALPHA: thermal expansion, no load for it is read
+        texts.pop()  # ALPHA: thermal expansion, which no load uses
     nodes = np.unique(grids.several(card, id_list(card, texts)))
     if not len(nodes) or reference in nodes:
         card.refuse("it needs dependent nodes other than its independent one")
@@ -82,7 +82,7 @@ def _rbe2(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
 
 
 def _ends(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
-    """Independent components of all nodes in turn, then dependent ones; blank is all others."""
+    """Return independent and dependent components of all nodes; blank means all others."""
     count = 2 if card.cards.name == "RBAR" else 3
     nodes = [grids.one(card, 1 + i) for i in range(count)]
     # RTRPLT starts a new row for the dependent components.
@@ -104,7 +104,7 @@ def _listed(card: Card, nodes: Sequence[int], fields: Sequence[int]) -> list[Pla
 
 
 def _rbe1(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
-    """Pairs of grid and components, dependent ones from UM on; a real at the end is ALPHA."""
+    """Return independent components and, after UM, dependent ones; a real at the end is ALPHA."""
     sides: tuple[list[Place], list[Place]] = ([], [])
     side = 0
     for row in card.groups(0, ROW):
@@ -117,18 +117,18 @@ def _rbe1(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
 
 
 def _rrod(card: Card, grids: Grids) -> Equation:
-    """Equal displacements along the line of two nodes; the component given is the dependent one."""
+    """Return the equation of equal displacements along the line of two nodes."""
     nodes = [grids.one(card, field) for field in (1, 2)]
     fields = [(node, card.text(field)) for node, field in zip(nodes, (3, 4), strict=True)]
     tied = [(node, components(text, card.error)) for node, text in fields if text not in ("", "0")]
     line = grids.nodes[nodes[1]] - grids.nodes[nodes[0]]
     if len(tied) != 1 or len(tied[0][1]) != 1 or tied[0][1][0] > 2 or not line.any():
         card.refuse(
-            "one translation at one of its two ends, which lie apart, must be the dependent one"
+            "give two nodes apart, and one translation at one of them as dependent component"
         )
     columns = [(node, c) for node in nodes for c in range(3)]
     candidates = [columns.index(dof) for dof in _supports([(tied[0][0], tied[0][1][0])], grids)]
-    # Each equation is solved for the largest of the basic components that make up its dependent.
+    # Each equation is solved for the largest basic component of its dependent component.
     (equation,) = solved(card, np.append(-line, line)[None], np.array(candidates), columns)
     return equation
 
@@ -136,12 +136,12 @@ def _rrod(card: Card, grids: Grids) -> Equation:
 def rigid_equations(
     card: Card, free: Sequence[Place], tied: Sequence[Place], grids: Grids
 ) -> Iterator[Equation]:
-    """Yield an equation for each dependent (tied) component of a rigid body by independent ones."""
+    """Yield the equation of each dependent (tied) component of a rigid body."""
     nodes = np.array([node for node, _ in free], dtype=np.int64)
     if not 0 < len(free) <= len(DISPLACEMENT_NAMES) or not tied:
         card.refuse(
-            f"{len(free)} independent and {len(tied)} dependent components; expected up to six, "
-            "and some"
+            f"{len(free)} independent and {len(tied)} dependent components; expected one to six, "
+            "and at least one"
         )
     origin = grids.nodes[nodes].mean(axis=0)
     size = float(np.abs(grids.nodes[nodes] - origin).max()) or 1.0
@@ -151,8 +151,8 @@ def rigid_equations(
     unique = np.linalg.svd(motion, compute_uv=False)[-1] > SOLVED
     if not unique or np.abs(weights @ motion - following).max() > SOLVED:
         card.refuse(
-            "the independent components do not determine the motion of a rigid body, as far as the "
-            "dependent ones need it; choose others"
+            "the independent components do not determine the rigid motion of the dependent "
+            "components; choose others"
         )
     weights *= _scale(free, size) / _scale(tied, size)[:, None]
     columns = sorted({(node, c) for node, c in _supports([*free, *tied], grids)})
@@ -169,7 +169,7 @@ def rigid_equations(
 
 
 def _supports(places: Sequence[Place], grids: Grids) -> list[Place]:
-    """Return the basic components that make up components."""
+    """Return the basic components that contribute to components."""
     return [
         (node, c)
         for node, component in places
@@ -180,7 +180,7 @@ def _supports(places: Sequence[Place], grids: Grids) -> list[Place]:
 def solved(
     card: Card, rows: Matrix, candidates: Indices, columns: Sequence[Place]
 ) -> Iterator[Equation]:
-    """Solve equations for as many of the candidates, the best conditioned ones."""
+    """Solve equations for the best conditioned candidates, one per equation."""
     _, R, order = scipy.linalg.qr(rows[:, candidates], mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
     if len(pivots) < len(rows) or not pivots[-1] > SOLVED * pivots[0]:
@@ -202,7 +202,7 @@ def solved(
 def rigid_motions(
     places: Sequence[Place], grids: Grids, origin: Vector, size: float = 1.0
 ) -> Matrix:
-    """Return components (n, 6) in the six rigid motions, rotations counted at a distance."""
+    """Return components (n, 6) in the six rigid motions, with rotations times a length."""
     nodes = np.array([node for node, _ in places], dtype=np.int64)
     every = rigid_body_motions(grids.nodes[nodes], origin).reshape(-1, 6, 6)
     every[:, :, 3:] /= size
@@ -215,18 +215,18 @@ def rigid_motions(
 
 
 def _scale(places: Sequence[Place], size: float) -> Vector:
-    """Return what components (n,) were multiplied by."""
+    """Return the factors (n,) of components."""
     return np.array([1.0 if component < 3 else size for _, component in places])
 
 
 Mean = dict[int, float]
-"""Nodes to the parts of a motion they make up."""
+"""Nodes to their weights in a mean motion."""
 
 
 def read_shell_to_solid(
     bulk: BulkData, solids: Sequence[CellBlock], shells: Sequence[ShellBlock]
 ) -> Iterator[Equation]:
-    """Yield the equations of RSSCON, those of a node of two shells once."""
+    """Yield the equations of RSSCON, once for a node of two shells."""
     done: set[int] = set()
     for card in bulk.cards.get("RSSCON", ()):
         by_grids = card.text(1) == "GRID"
@@ -249,7 +249,7 @@ def _of_grids(card: Card, grids: Grids) -> list[tuple[int, Mean, Mean]]:
 def _of_elements(
     card: Card, solids: Sequence[CellBlock], shells: Sequence[ShellBlock], grids: Grids
 ) -> list[tuple[int, Mean, Mean]]:
-    """Edge of shell ES1 on a face of solid EA1."""
+    """Return the connection of an edge of shell ES1 to a face of solid EA1."""
     edges = _edges(card, shells, card.integer(2))
     if card.text(4) or card.text(5):
         card.refuse("one shell with one solid is supported; give another RSSCON for others", 4)
@@ -280,34 +280,34 @@ def _of_elements(
 
 
 def _edges(card: Card, shells: Sequence[ShellBlock], number: int) -> list[list[int]]:
-    """Nodes of the edges of a shell: two corners, and the node between if there is one."""
+    """Return the nodes of each edge of a shell: two corners, and any mid-side node."""
     for block in shells:
         for nodes in block.nodes[block.ids == number].tolist():
             count = 3 if block.kind.startswith("tri") else 4
             between = nodes[count:]
             pairs = [[nodes[i], nodes[(i + 1) % count]] for i in range(count)]
             return [[*pair, *between[i : i + 1]] for i, pair in enumerate(pairs)]
-    message = f"element {number} is no shell of the deck"
+    message = f"element {number} is not a shell of the deck"
     raise card.error(message, 2)
 
 
 def _faces(card: Card, solids: Sequence[CellBlock], number: int) -> list[Indices]:
-    """Faces of four corners of a solid, mid-side nodes behind."""
+    """Return the quadrilateral faces of a solid, corners before mid-side nodes."""
     for block in solids:
         for nodes in block.nodes[block.ids == number]:
             faces = SOLIDS[block.kind].faces
             return [nodes[list(local)] for face, local in faces if face.n_corners == 4]
-    message = f"element {number} is no solid of the deck"
+    message = f"element {number} is not a solid of the deck"
     raise card.error(message, 3)
 
 
 def _on_face(nodes: Matrix, edge: list[int], face: Indices) -> list[tuple[int, Mean, Mean]]:
-    """Find what is below and above each node of an edge; nothing if it is not on the face.
+    """Return the means below and above each node of an edge; empty if it is not on the face.
 
-    The edge runs from one side of the face to the opposite one, between the other two sides.
+    The edge runs from one side of the face to the opposite side, between the other two.
     """
     corners = nodes[face[:4]]
-    # Parameters from 0 to 1 of a flat parallelogram, least squares on others.
+    # Parameters from 0 to 1: exact on a flat parallelogram, least squares otherwise.
     sides = (corners[[1, 3]] - corners[0] + corners[2] - corners[[3, 1]]) / 2
     beside = (nodes[edge] - corners.mean(axis=0)).T
     places = np.linalg.lstsq(sides.T, beside, rcond=None)[0].T + 0.5
@@ -343,7 +343,7 @@ def _clamped(card: Card, nodes: Matrix, node: int, below: Mean, above: Mean) -> 
     h = high - low
     square = float(h @ h)
     if not square > 0:
-        card.refuse("the places of the solid below and above a node of the shell are one")
+        card.refuse("points of the solid below and above a node of the shell coincide")
     t = float((nodes[node] - low) @ h) / square
     columns = [(node, c) for c in range(6)]
     columns += [(k, c) for k in sorted({*below, *above} - {node}) for c in range(3)]
@@ -358,7 +358,7 @@ def _clamped(card: Card, nodes: Matrix, node: int, below: Mean, above: Mean) -> 
                 rows[c, column_of[k, c]] -= part * weight
                 turn = np.cross(h, np.eye(3)[c]) / square
                 rows[3:, column_of[k, c]] -= sign * weight * across @ turn
-    # A node of the solid itself needs nothing for its translations.
+    # A node of the solid needs no equations for its translations.
     free = node in below or node in above
     first = 3 if free else 0
     yield from solved(card, rows[first:], np.arange(first, 6), columns)

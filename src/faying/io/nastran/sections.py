@@ -1,6 +1,6 @@
 """PBAR, PBARL, PBEAM, PBEAML: constant cross-sections of beams.
 
-With I1 = ∫y² dA, I2 = ∫z² dA and I12 = ∫yz dA the principal axes are turned from y to z by φ with
+With I1 = ∫y² dA, I2 = ∫z² dA and I12 = ∫yz dA, principal axes are turned from y to z by φ with
 tan 2φ = 2 I12 / (I1 - I2).
 """
 
@@ -21,7 +21,7 @@ from faying.model.axes import rectangular_section, round_section
 
 
 def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
-    """Return a section along its principal axes, and how far they are turned [rad]."""
+    """Return a section along its principal axes, and the angle of these [rad]."""
     product, field = _product(card), card.place("I12")
     if not product:
         return section, 0.0
@@ -33,8 +33,8 @@ def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
         )
     if section.shear_factor_y != section.shear_factor_z:
         card.refuse(
-            f"I12 = {product:g} and shear factors that differ, which have no principal axes in "
-            "common; give K1 = K2, or turn the orientation vector to the principal axes",
+            f"I12 = {product:g} and different shear factors, which have no common principal "
+            "axes; give K1 = K2, or turn the orientation vector to the principal axes",
             field,
         )
     mean, half = (first + second) / 2, math.hypot((first - second) / 2, product)
@@ -51,7 +51,7 @@ def turned_properties(cards: Mapping[str, Cards]) -> set[int]:
 
 
 def turned_about(axis: Vector, vector: Vector, angle: float) -> Vector:
-    """Return the direction across an axis next to a vector, turned about the axis."""
+    """Return a vector turned about an axis, without its part along the axis; as is for 0."""
     if angle == 0.0:
         return vector
     along = axis / np.linalg.norm(axis)
@@ -61,7 +61,7 @@ def turned_about(axis: Vector, vector: Vector, angle: float) -> Vector:
 
 
 def _product(card: Card) -> float:
-    """Return I12; zero where that is all it amounts to, or dimensions tell the section."""
+    """Return I12; zero if negligible, or if dimensions define the section."""
     if not card.text(card.place("I12")):
         return 0.0
     size = math.sqrt(abs(card.real(card.place("I1"), 0.0) * card.real(card.place("I2"), 0.0)))
@@ -70,9 +70,9 @@ def _product(card: Card) -> float:
 
 
 class Property(NamedTuple):
-    """Section and material of beams, and how far principal axes are turned from y to z [rad].
+    """Section and material of beams, and the angle of principal axes from y to z [rad].
 
-    ``warping`` [length⁶] resists twist where a beam has warping points.
+    ``warping`` [length⁶] is the warping constant for beams with warping points.
     """
 
     section: BeamSection
@@ -107,7 +107,7 @@ def read_sections(bulk: BulkData) -> dict[str, dict[int, Property]]:
         for number, card in by_id(bulk.cards, *read, what="property").items():
             name = card.cards.name
             if number not in used and card.integer(1) not in bulk.materials:
-                bulk.ignored.append(f"{name} {number}, without a MAT1, that no element names")
+                bulk.ignored.append(f"{name} {number}, without a MAT1, that no element uses")
                 continue
             material, factor = bulk.material(card, 1)
             section, angle = principal(card, _checked(card, read[name](card, material)))
@@ -124,8 +124,8 @@ def read_sections(bulk: BulkData) -> dict[str, dict[int, Property]]:
         bulk.ignored.append(ESTIMATED)
     if heavy:
         bulk.ignored.append(
-            f"non-structural mass of {heavy} properties of beams: added to their density, so that "
-            "it turns with the section too"
+            f"non-structural mass of {heavy} properties of beams: added to their density, so it "
+            "also adds rotary inertia"
         )
     return result
 
@@ -137,7 +137,7 @@ def _mass_field(card: Card) -> int:
 
 
 def with_shear(section: BeamSection, factor: float) -> BeamSection:
-    """Multiply what the shear modulus does by a factor; without one nothing bends by shear."""
+    """Multiply torsion and shear stiffness by a factor; zero means no shear deformation."""
     along_y, along_z = (
         factor * share if factor else math.inf
         for share in (section.shear_factor_y, section.shear_factor_z)
@@ -188,7 +188,7 @@ def _pbeam(card: Card, _: Material) -> BeamSection:
 
 
 def _warping(card: Card) -> float:
-    """Return CW, blank at end B where it is as at A."""
+    """Return CW; a blank at end B means the value at A."""
     field = _behind_stations(card) + 6
     first = card.real(field, 0.0)
     if _differ(first, card.real(field + 1, first)):
@@ -197,7 +197,7 @@ def _warping(card: Card) -> float:
 
 
 def _behind_stations(card: Card) -> int:
-    """Return the field of K1, behind the stations along the beam, which are checked."""
+    """Check the stations along the beam and return the field of K1 after them."""
     row = 8
     if card.text(row) not in _STATIONS:
         row += 8
@@ -210,7 +210,7 @@ def _behind_stations(card: Card) -> int:
 def _check_constant(card: Card, first: int, values: Iterable[float], positive: int) -> None:
     """Refuse a section that changes along the beam; values are those at its first end.
 
-    So many of them are positive: there 0.0 is a blank that was written out.
+    The first ``positive`` values must be positive; there 0.0 counts as a blank.
     """
     for j, value in enumerate(values):
         there = card.real(first + j, value)
@@ -224,7 +224,7 @@ def _check_constant(card: Card, first: int, values: Iterable[float], positive: i
 
 
 def _differ(first: float, second: float) -> bool:
-    """Say whether two ends differ by more than the digits of a field."""
+    """Return whether two values differ by more than the digits of a field."""
     return not math.isclose(first, second, rel_tol=SHORT_DIGITS, abs_tol=0.0)
 
 
@@ -268,7 +268,7 @@ def _dimensioned(card: Card, material: Material) -> BeamSection:
             section, symmetric = walled_section(kind, sizes)
             if card.cards.name == "PBEAML" and not symmetric:
                 card.refuse(
-                    f"the centres of area and shear of {kind} are apart, which is not supported; "
+                    f"the centroid and shear centre of {kind} differ, which is not supported; "
                     "give A, I1, I2, J on PBEAM, or use CBAR"
                 )
             return section
@@ -284,9 +284,9 @@ def _dimensioned(card: Card, material: Material) -> BeamSection:
 def dimensioned_section(kind: str, sizes: Sequence[float], nu: float) -> BeamSection:
     """Return the section of PBARL and PBEAML with sizes DIM1, DIM2, ... [length].
 
-    They are of ROD (radius), TUBE (outer, inner radius), BAR (width along local z, height along
-    local y) or BOX (width, height, thickness of the top and bottom, thickness of the sides). Shear
-    factors depend on Poisson's ratio ν.
+    Kinds are ROD (radius), TUBE (outer, inner radius), BAR (width along local z, height along
+    local y), BOX (width, height, thickness of the top and bottom, thickness of the sides), and
+    those of :func:`walled_section`. Shear factors depend on Poisson's ratio ν.
 
     Notes
     -----

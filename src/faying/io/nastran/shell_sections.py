@@ -14,17 +14,17 @@ from faying.io.nastran.materials import SHELL_PROPERTIES, Layer, PlaneMaterial, 
 from faying.model.shells import ShellSection, turned_law
 
 LAMINATE = (
-    "laminates (PCOMP) are equivalent plates: layers have no stresses of their own, and transverse "
-    "shear is one stiffness per direction"
+    "laminates (PCOMP) are equivalent plates: stresses of layers are not computed, and transverse "
+    "shear has one stiffness per direction"
 )
 
 _MATERIALS = "MAT1, MAT2 or MAT8"
-# Three Gauss points a layer: the square of a parabola is integrated exactly.
+# Three Gauss points a layer integrate the square of a parabola exactly.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
 class ShellProperty(NamedTuple):
-    """A property of shells: its thickness, and the section for one."""
+    """A property of shells: its thickness, and a function from thickness to section."""
 
     thickness: float
     section: Callable[[float], ShellSection]
@@ -44,7 +44,7 @@ def read_shell_properties(
 
 
 def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:
-    """PSHELL: membrane MID1, bending MID2, transverse shear MID3, coupling MID4."""
+    """Read PSHELL: membrane MID1, bending MID2, transverse shear MID3, coupling MID4."""
     membrane = _material(card, 1, materials)
     if membrane is None or card.text(3) == "-1":
         card.refuse(
@@ -79,7 +79,7 @@ def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
 
 
 def _panel(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:
-    """PSHEAR: MID, T, NSM; F1 and F2 become rods."""
+    """Read MID, T, NSM of PSHEAR; F1 and F2 become rods."""
     material, thickness = _material(card, 1, materials), card.real(2)
     extra = card.real(3, 0.0) * mass_factor
     if material is None:
@@ -102,8 +102,8 @@ def _material(
 def _check(card: Card, section: ShellSection) -> None:
     law = section.stiffness
     if not np.isfinite(law).all() or np.linalg.eigvalsh(law[:3, :3])[0] <= 0:
-        card.refuse("its membrane is not stiff in every direction; correct its materials")
-    # Bending may be left out; rounding aside nothing is negative.
+        card.refuse("its membrane has a direction without stiffness; correct its materials")
+    # Bending may be zero; but for rounding nothing is negative.
     size = np.sqrt(np.where(np.diag(law) > 0, np.diag(law), 1.0))
     if np.linalg.eigvalsh(law / np.outer(size, size))[0] < -SOLVED:
         card.refuse(
@@ -116,7 +116,7 @@ def _laminate(
 ) -> ShellProperty:
     kind = card.text(7)
     if kind not in ("", "SYM", "SMEAR", "MEM"):
-        card.refuse(f"LAM = '{kind}' is not supported; blank, SYM, MEM and SMEAR are", 7)
+        card.refuse(f"LAM = '{kind}' is not supported; give blank, SYM, MEM or SMEAR", 7)
     plies = layers(card)
     thickness = math.fsum(ply.thickness for ply in plies)
     bottom = card.real(1, -thickness / 2)
@@ -140,7 +140,7 @@ def _stacked(
     bottom: float,
     extra: float,
 ) -> ShellSection:
-    """Integrate layers from the bottom through the thickness."""
+    """Integrate layers through the thickness, from the bottom."""
     t = np.array([ply.thickness for ply in plies])
     ply_materials = [card.find(materials, 8, "material", _MATERIALS, ply.material) for ply in plies]
     angle = np.radians([ply.angle for ply in plies])
@@ -170,11 +170,11 @@ def _stacked(
 def _shear(
     ply_materials: Sequence[PlaneMaterial], laws: Matrix, angle: Matrix, t: Matrix, low: Matrix
 ) -> Matrix | None:
-    """Transverse shear stiffness of cylindrical bending in x and in y.
+    """Return the transverse shear stiffness of cylindrical bending in x and in y.
 
-    The shear stress that balances bending stresses E (z - z₀) / EI through the thickness does the
-    work of the force through the stiffness: 1/S = ∫ g² / G dz / (EI)² with g = ∫ E (z - z₀) dz;
-    5/6 G t for one layer. J. M. Whitney, "Shear correction factors for orthotropic laminates
+    The shear stress in equilibrium with bending stresses E (z - z₀) / EI has the same energy as the
+    shear force: 1/S = ∫ g² / G dz / (EI)² with g = ∫ E (z - z₀) dz; S = 5/6 G t for one layer.
+    J. M. Whitney, "Shear correction factors for orthotropic laminates
     under static load", J. Appl. Mech. 40 (1973) 302-304. Layers without G1Z or G2Z are rigid.
     """
     flexible = np.zeros((len(ply_materials), 2))

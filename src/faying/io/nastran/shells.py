@@ -27,14 +27,14 @@ _KINDS = {
 }
 SHELL_CARDS = tuple(_KINDS)
 
-ROTATING = "CTRIAR and CQUADR are read as CTRIA3 and CQUAD4, whose membranes know no drilling"
-"""What is said of elements that are stiffer in Nastran against rotations about the normal."""
+ROTATING = "CTRIAR and CQUADR are read as CTRIA3 and CQUAD4, without drilling stiffness"
+"""Note on elements that resist rotations about the normal in Nastran."""
 
 CURVED = (
-    "CTRIA6 and CQUAD8 take transverse shear otherwise than Nastran's: on a coarse mesh they "
-    "deflect farther (19 % for 28 CTRIA6 in a plate held at its corners); compare a finer mesh"
+    "CTRIA6 and CQUAD8 have another transverse shear than Nastran's: on a coarse mesh they "
+    "deflect more (19 % for 28 CTRIA6 in a plate held at its corners); compare a finer mesh"
 )
-"""What is said of shells with mid-side nodes."""
+"""Note on shells with mid-side nodes."""
 
 
 _N_CORNERS = {**{kind: face.n_corners for kind, face in FACES.items()}, PANEL: 4}
@@ -43,11 +43,11 @@ _N_CORNERS = {**{kind: face.n_corners for kind, face in FACES.items()}, PANEL: 4
 def read_shells(
     bulk: BulkData, properties: Mapping[int, ShellProperty], straight: StraightSides
 ) -> tuple[tuple[ShellBlock, ...], dict[int, ShellSection]]:
-    """Return shells and the sections they use.
+    """Return shells and their sections.
 
-    Where a mid-side node is blank, the side has a node of its own that moves as the mean of its
-    ends. Shells with thicknesses of their own have their mean; their sections are numbered behind
-    the properties of the deck.
+    A blank mid-side node becomes a new node that moves as the mean of the ends of the side. Shells
+    with nodal thicknesses have the mean thickness; their sections are numbered after the
+    properties of the deck.
     """
     blocks: list[ShellBlock] = []
     sections: dict[int, ShellSection] = {}
@@ -94,7 +94,7 @@ def _thick(
     sections: dict[int, ShellSection],
     by_thickness: dict[tuple[int, float], int],
 ) -> Indices:
-    """Property numbers of shells; those with a thickness of their own get new ones."""
+    """Return property numbers of shells; shells with nodal thicknesses get new ones."""
     n_corner = _N_CORNERS[kind]
     first, flag = place_of(cards.name, "T1"), place_of(cards.name, "TFLAG")
     columns = range(first, first + n_corner)
@@ -108,7 +108,7 @@ def _thick(
         values = [card.real(field, 1.0 if relative else usual) for field in columns]
         thickness = float(np.mean(values)) * (usual if relative else 1.0)
         if min(values) < 0 or not thickness > 0:
-            card.refuse("thicknesses T1 to T4 must not be negative, and some positive", first)
+            card.refuse("thicknesses T1 to T4 must not be negative, and one positive", first)
         if abs(thickness - usual) <= DECK_DIGITS * usual:
             continue
         key = (number, thickness)
@@ -120,7 +120,7 @@ def _thick(
 
 
 def _directions(cards: Cards, kind: str, nodes: Indices, grids: Grids) -> Matrix:
-    """Vectors (n, 3) along the material's x axis: at THETA to the first side, or the x of MCID."""
+    """Return the material's x axis (n, 3): at THETA to the first side, or the x axis of MCID."""
     theta = place_of(cards.name, "THETA")
     raw = cards.column(theta)
     _, not_integer = numbers.integers(raw)
@@ -135,7 +135,7 @@ def _directions(cards: Cards, kind: str, nodes: Indices, grids: Grids) -> Matrix
 
 
 def _at_angle(places: Matrix, angle: Vector) -> Matrix:
-    """Return the first side (n, 3), turned about the normal."""
+    """Return the direction (n, 3) of the first side, turned about the normal."""
     side = places[:, 1] - places[:, 0]
     third = places[:, 2] - places[:, 0]
     normal = np.cross(side, third)
@@ -145,16 +145,16 @@ def _at_angle(places: Matrix, angle: Vector) -> Matrix:
 
 
 _FULL = 1.01
-"""F1 up to which a panel carries all of its normal stress along its sides (MSC's number)."""
+"""Largest F1 with rods of an area from the panel's area (MSC's number)."""
 
 
 def read_panel_sides(bulk: BulkData, first: int) -> list[Beam]:
-    """Return what shear panels carry along their sides as rods without mass, from ``first`` on.
+    """Return massless rods along the sides of shear panels, numbered from ``first``.
 
     MSC Nastran Quick Reference Guide: up to F1 = 1.01 the rods on sides 1-2 and 3-4 have the area
-    F1 T P / (L12 + L34) each, with the area P of the panel and the lengths L of the sides, so that
-    F1 = 1 is a panel that carries all of its normal stress along them; beyond, F1 T² / 2, a width
-    of F1 T in all. F2 is the same of sides 2-3 and 4-1.
+    F1 T P / (L12 + L34) each, with the area P of the panel and the lengths L of the sides:
+    with F1 = 1 they carry all normal stress of the panel along them. Above, F1 T² / 2, a width
+    of F1 T in total. F2 is the same for sides 2-3 and 4-1.
     """
     rods: list[Beam] = []
     properties = by_id(bulk.cards, "PSHEAR")

@@ -1,8 +1,8 @@
 """BOLT with ETYPE = 2 and 3: shanks of solids, as sections to cut.
 
-Simcenter Nastran Quick Reference Guide, BOLT: ETYPE = 2 names the grid points of a cross-section of
-the shank, ETYPE = 3 its elements and a grid point at the height of the section; CSID and IDIR are
-the axis. Between elements on either side of that height the section need not be flat.
+Simcenter Nastran Quick Reference Guide, BOLT: ETYPE = 2 lists the grid points of a cross-section of
+the shank, ETYPE = 3 its elements and a grid point at the height of the section. CSID and IDIR are
+the axis. A section between elements below and above that height need not be flat.
 """
 
 import numpy as np
@@ -34,7 +34,7 @@ def read_solid_bolts(bulk: BulkData, mesh: Mesh) -> dict[int, Section]:
 
 
 def is_split(card: Card) -> bool:
-    """Say whether a bolt is MSC's, of a control grid and pairs of grids."""
+    """Return whether a bolt is MSC's, with a control grid and pairs of grids."""
     return "TOP" in card.texts or "BOTTOM" in card.texts
 
 
@@ -78,18 +78,18 @@ def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
 
 
 def _axis(card: Card, grids: Grids, point: Vector) -> Vector | None:
-    """Return the unit vector of CSID and IDIR at a place; None if they are blank."""
+    """Return the unit vector of CSID and IDIR at a point; None if they are blank."""
     if not card.text(3) or card.text(3) == "0":
         return None
     direction = card.integer(3)
     if direction not in (1, 2, 3):
-        card.refuse(f"IDIR = {direction}; it is 1, 2 or 3", 3)
+        card.refuse(f"IDIR = {direction}; expected 1, 2 or 3", 3)
     axes: Matrix = grids.systems.frame_of(card, 2).directions(point[None])[0]
     return np.array(axes[direction - 1])
 
 
 def _normal(points: Matrix) -> Vector:
-    """Return the direction in which points are spread least."""
+    """Return the direction of the smallest spread of points."""
     _, _, directions = np.linalg.svd(points - points.mean(axis=0))
     return np.array(directions[-1])
 
@@ -97,9 +97,9 @@ def _normal(points: Matrix) -> Vector:
 def _between(
     mesh: Mesh, chosen: list[Mask], axis: Vector
 ) -> tuple[Indices, Indices, tuple[Vector, Vector]]:
-    """Return the faces (n, 8) between two of the chosen elements, seen from the lower one.
+    """Return the faces (n, 8) between chosen elements, seen from the lower one.
 
-    Also returned are the ids of the lower ones, and the heights of the lower and the upper ones.
+    Also returned are the ids of the lower elements, and the heights of lower and upper elements.
     """
     faces, ids, centres = faces_of(mesh, chosen)
     heights = centres @ axis

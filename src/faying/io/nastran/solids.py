@@ -18,8 +18,8 @@ from faying.model.generate import mid_side_ends
 
 LAYERED = "PCOMPS"
 _OF_LAYERS = (
-    "PCOMPS: solids of layers are as with PSOLID, of the material of all their layers; Nastran's "
-    "have stresses across the layers of their own, which tells where few are over a thickness"
+    "PCOMPS: layered solids are as with PSOLID, of the material of all their layers; Nastran's "
+    "have other stresses across the layers, which matters for few elements over a thickness"
 )
 _FULL_NETWORKS = {"TWO", "2", "THREE", "3"}
 _REDUCED = {"", "0", "REDUCED"}
@@ -31,7 +31,7 @@ _NO_BUBBLES = (
 
 
 Middle = Callable[[Indices, Indices], Indices]
-"""Nodes (n,) between nodes (n,) and (n,)."""
+"""Function that returns nodes (n,) between nodes (n,) and (n,)."""
 
 SOLID_CARDS = tuple(dict.fromkeys(element.elsewhere.nastran for element in SOLIDS.values()))
 
@@ -39,14 +39,14 @@ SOLID_CARDS = tuple(dict.fromkeys(element.elsewhere.nastran for element in SOLID
 def read_solids(
     bulk: BulkData, materials: Mapping[int, Material], straight: StraightSides
 ) -> tuple[tuple[CellBlock, ...], dict[int, Material], str]:
-    """Return solid elements, the materials of the properties they use, and how bricks are made.
+    """Return solid elements, materials by property, and the formulation of bricks.
 
     Eight-node bricks are ``"incompatible"`` when their PSOLID leaves IN and ISOP at the defaults
     (IN blank, 0 or BUBBLE; ISOP blank, 0 or REDUCED) or ask for TWO (2) with reduced shear, and
     ``"standard"`` for ISOP = FULL (1) with IN = TWO or THREE (3). MSC Nastran Quick Reference
-    Guide, PSOLID, remark 6. Decks that mix the two or ask for another scheme are refused. Where
-    some mid-side nodes of an element are blank, the side has a node of its own that moves as the
-    mean of its ends.
+    Guide, PSOLID, remark 6. Decks that mix the two or request another scheme are refused. If some
+    mid-side nodes of an element are blank, each becomes a new node that moves as the mean of the
+    ends of its side.
     """
     blocks: list[CellBlock] = []
     used: dict[int, Material] = {}
@@ -64,7 +64,7 @@ def read_solids(
 def _note_schemes(
     blocks: list[CellBlock], properties: Mapping[int, Card], ignored: list[str]
 ) -> None:
-    """Say where elements without a choice of formulation differ from what the deck asks for."""
+    """Note where the formulation of elements differs from the one that the deck requests."""
     for block in blocks:
         note = SOLIDS[block.kind].elsewhere.nastran_lacks
         used = np.unique(block.properties).tolist()
@@ -102,7 +102,7 @@ def _blocks(bulk: BulkData, cards: Cards, name: str, straight: StraightSides) ->
             if turned.any():
                 first = these.words(0)[int(turned.argmax())]
                 bulk.ignored.append(
-                    f"node order of {turned.sum()} {name} inside out, the first {first}"
+                    f"node order of {turned.sum()} inverted {name}, the first {first}"
                 )
             result.append(
                 CellBlock(
@@ -118,10 +118,10 @@ def _blocks(bulk: BulkData, cards: Cards, name: str, straight: StraightSides) ->
 def element_nodes(
     cards: Cards, n_corner: int, ends: Sequence[Sequence[int]], grids: Grids, middle: Middle
 ) -> tuple[Indices, int]:
-    """Return node indices (n, n_node) behind the property, each once, and how many were blank.
+    """Return node indices (n, n_node) of elements, and the number of blanks.
 
-    ``ends`` are the corners beside each mid-side node; ``middle`` returns the nodes between nodes
-    where that is blank.
+    ``ends`` are the corners beside each mid-side node; ``middle`` returns nodes for blank
+    mid-side nodes.
     """
     corners = [grids.of_column(cards, 2 + j) for j in range(n_corner)]
     columns, blank = list(corners), 0
@@ -144,12 +144,12 @@ def element_nodes(
 
 
 def property_ids(cards: Cards) -> Indices:
-    """Property id (n,) of elements; blank is the element id."""
+    """Return property ids (n,) of elements; a blank means the element id."""
     return np.where(cards.given(1), cards.integers(1, 0), cards.integers(0))
 
 
 def used_properties(cards: Cards, properties: Container[int], kinds: str) -> list[int]:
-    """Return the properties that elements name, each once; ``kinds`` could define them."""
+    """Return the unique properties of elements; ``kinds`` lists the cards that define them."""
     numbers, first = np.unique(property_ids(cards), return_index=True)
     used: list[int] = numbers.tolist()
     cards.take(first).refuse_where(
@@ -169,15 +169,15 @@ def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Ma
 
 
 def _of_layers(card: Card, materials: Mapping[int, Material]) -> Material:
-    """Return the material of all layers, whose directions do not matter."""
+    """Return the common material of all layers, whatever their directions."""
     card.integer(1, 0)
     card.integer(2, 13)
     named = {layer.material for layer in layers(card)}
     (number, *others) = sorted(named)
     if others or number not in materials or materials[number].law is not None:
         card.refuse(
-            f"layers of materials {', '.join(map(str, sorted(named)))}; solids of layers are "
-            "supported where all have one MAT1; mesh each layer with PSOLID of its own",
+            f"layers of materials {', '.join(map(str, sorted(named)))}; layered solids are "
+            "supported if all layers have one MAT1; else mesh each layer with its own PSOLID",
             9,
         )
     return materials[number]
@@ -210,7 +210,7 @@ def _formulation(properties: list[Card], ignored: list[str]) -> str:
 
 
 def element_sets(blocks: tuple[CellBlock, ...]) -> dict[str, Indices]:
-    """``pid:<n>`` to the ids of the elements with that property."""
+    """Return ``pid:<n>`` to the ids of the elements with that property."""
     sets: dict[str, list[Indices]] = {}
     for block in blocks:
         for number in np.unique(block.properties).tolist():

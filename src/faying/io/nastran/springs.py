@@ -19,22 +19,22 @@ Place = tuple[int, int]
 
 
 def read_general_elements(bulk: BulkData) -> Iterator[Spring]:
-    """Yield springs that make up the stiffness of GENEL, some of them negative.
+    """Yield springs that represent the stiffness of GENEL, some with negative stiffness.
 
-    MSC Nastran Quick Reference Guide, GENEL: forces at u_i are K (u_i - S u_d), K being given or
+    MSC Nastran Quick Reference Guide, GENEL: forces at u_i are K (u_i - S u_d), with K given or
     the inverse of Z, and S given or that of a rigid body. A symmetric matrix is a spring of -K_ij
-    between each two components, and one of the sum of its row from each to the ground.
+    between each two components, and a spring of the sum of a row from each component to ground.
     """
     for card in bulk.cards.get("GENEL", ()):
         yield from springs_between(card.integer(0), *_stiffness(card, bulk.grids))
 
 
 def springs_between(number: int, places: Sequence[Place], K: Matrix) -> Iterator[Spring]:
-    """Yield the springs between components that have a symmetric stiffness."""
+    """Yield springs that represent a symmetric stiffness matrix between components."""
     for i, j in np.argwhere(np.triu(K, 1)).tolist():
         yield Spring(id=number, ends=(places[i], places[j]), stiffness=-float(K[i, j]))
     ground = K.sum(axis=1)
-    # What a rigid motion leaves is rounding of sums.
+    # Forces of a rigid motion are rounding of sums.
     for k in np.flatnonzero(np.abs(ground) > ROUND_OFF * np.abs(K).sum(axis=1)).tolist():
         yield Spring(id=number, ends=(places[k],), stiffness=float(ground[k]))
 
@@ -64,7 +64,7 @@ def _following(
     dependent: Sequence[Place],
     grids: Grids,
 ) -> Matrix:
-    """S (n_free, n_held)."""
+    """Return S (n_free, n_held)."""
     if not dependent:
         return np.zeros((len(free), 0))
     if "S" in parts:
@@ -80,7 +80,7 @@ def _following(
 
 
 def _parts(card: Card) -> dict[str, list[str]]:
-    """Texts behind UI (which is not written), UD, K or Z, and S."""
+    """Return the texts of UI (a word not written), UD, K or Z, and S."""
     parts: dict[str, list[str]] = {"UI": [card.text(j) for j in range(2, min(len(card), 8))]}
     name = "UI"
     for first in range(8, len(card), 8):
@@ -111,12 +111,12 @@ def _reals(card: Card, texts: list[str], count: int, name: str) -> Matrix:
     filled = [text for text in texts if text]
     values = [numbers.real(text) for text in filled]
     if len(values) != count or None in values:
-        card.refuse(f"{name} has {len(values)} numbers; {count} are expected for its components")
+        card.refuse(f"{name} has {len(values)} numbers; expected {count} for its components")
     return np.array(values, dtype=float)
 
 
 class _End(NamedTuple):
-    """A node, a component of its displacement system, and the directions (3, 3) of this."""
+    """A node, a component, and the directions (3, 3) of its displacement system."""
 
     node: int
     component: int
@@ -124,12 +124,12 @@ class _End(NamedTuple):
 
     @property
     def direction(self) -> Vector:
-        """Direction (3,) along or about which it acts."""
+        """Direction (3,) along or about which the component acts."""
         return np.asarray(self.axes[self.component % 3])
 
     @property
     def basic(self) -> tuple[int, int]:
-        """Basic component that it is, and 1, or -1 against it; 0 if it is none."""
+        """Basic component and its sign, 1 or -1; sign 0 if the axis is not a basic axis."""
         along = int(np.abs(self.direction).argmax())
         inclined = float(np.sort(np.abs(self.direction))[1]) > DECK_DIGITS
         sign = 0 if inclined else int(np.sign(self.direction[along]))
@@ -139,7 +139,7 @@ class _End(NamedTuple):
 def read_springs(bulk: BulkData) -> tuple[list[Spring], list[Bush]]:
     """Read springs; an end whose grid is blank or 0 is grounded.
 
-    Springs along axes of displacement systems that are no basic axes are bushes.
+    Springs along axes of displacement systems other than basic axes become bushes.
     """
     if any(card.text(6) for card in bulk.cards.get("CELAS2", ())):
         bulk.ignored.append("structural damping GE of CELAS2")
@@ -155,9 +155,9 @@ def read_springs(bulk: BulkData) -> tuple[list[Spring], list[Bush]]:
 
 
 def _turned(card: Card, stiffness: float, ends: Sequence[_End], grids: Grids) -> Bush:
-    """Return a spring along an axis of a displacement system that is no basic axis.
+    """Return a bush for a spring along an axis that is not a basic axis.
 
-    Its ends stand at one place and act along one direction, or one of them is the ground.
+    Its ends are at one point and act along one direction, or one of them is the ground.
     """
     nodes, components = [end.node for end in ends], {end.component for end in ends}
     places, directions = grids.nodes[nodes], np.array([end.direction for end in ends])
@@ -174,7 +174,7 @@ def _turned(card: Card, stiffness: float, ends: Sequence[_End], grids: Grids) ->
 
 
 def read_scalar_masses(bulk: BulkData) -> list[ScalarMass]:
-    """Read scalar masses, which act at one component or on the difference of two."""
+    """Read scalar masses at a component or on the difference of two."""
     masses = []
     for card, value in _valued(bulk.cards, "CMASS", "PMASS"):
         places = _places_of(card, _ends(card, bulk.grids), bulk.grids)
@@ -186,7 +186,7 @@ def read_scalar_masses(bulk: BulkData) -> list[ScalarMass]:
 def _valued(
     cards: Mapping[str, Cards], family: str, property_name: str
 ) -> list[tuple[Card, float]]:
-    """Return elements of a family and their values; 1 and 3 have theirs from a property."""
+    """Return elements of a family and their values; kinds 1 and 3 take them from a property."""
     properties = _properties(cards, property_name)
 
     return [
@@ -197,7 +197,7 @@ def _valued(
 
 
 def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
-    # PELAS holds two properties of four fields, PMASS four of two.
+    # PELAS has two properties of four fields, PMASS four of two.
     size = 4 if name == "PELAS" else 2
     stiffnesses: dict[int, float] = {}
     for fields in (group for card in cards.get(name, ()) for group in card.groups(0, size)):
@@ -209,7 +209,7 @@ def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
 
 
 def _ends(card: Card, grids: Grids) -> list[_End]:
-    """Return the ends that are not on the ground."""
+    """Return the ends that are not grounded."""
     ends: list[_End] = []
     # Kinds 3 and 4 join scalar points, which have no components.
     scalar = card.cards.name[-1] in "34"
@@ -236,14 +236,14 @@ def _places_of(card: Card, ends: Sequence[_End], grids: Grids) -> tuple[Place, .
     places = [(end.node, component) for end, (component, _) in zip(ends, basic, strict=True)]
     if not ends or len({sign for _, sign in basic}) > 1 or len(set(places)) < len(places):
         card.refuse(
-            "a spring or mass needs two different ends, or one and the ground, that act in one "
+            "a spring or mass needs two different ends, or one and the ground, with the same "
             "direction (check grids, components and displacement coordinate systems)"
         )
     return tuple(places)
 
 
 def read_masses(bulk: BulkData) -> list[PointMass]:
-    """Read concentrated masses; inertias are turned into the basic frame."""
+    """Read concentrated masses, with inertias in the basic frame."""
     return [
         read(card, bulk.grids, bulk.mass_factor)
         for name, read in (("CONM1", _matrix), ("CONM2", _mass))
@@ -252,7 +252,7 @@ def read_masses(bulk: BulkData) -> list[PointMass]:
 
 
 def _matrix(card: Card, grids: Grids, factor: float) -> PointMass:
-    """CONM1, where its matrix is that of a mass with inertia about its grid."""
+    """Read CONM1 whose matrix is that of a mass with inertia about its grid."""
     values = [card.real(j, 0.0) for j in range(3, 24)]
     matrix = np.zeros((6, 6))
     matrix[np.tril_indices(6)] = values
@@ -285,7 +285,7 @@ def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
         offset = offset - grids.nodes[node]
         if np.abs(offset).max() <= SOLVED * max(float(np.abs(grids.nodes[node]).max()), 1.0):
             offset = np.zeros(3)
-    # Off-diagonal fields hold ∫ x y dm; the inertia tensor carries them with a minus sign.
+    # Off-diagonal fields are ∫ x y dm; in the inertia tensor they have a minus sign.
     i11, i21, i22, i31, i32, i33 = (card.real(j, 0.0) for j in range(8, 14))
     inertia = np.array([[i11, -i21, -i31], [-i21, i22, -i32], [-i31, -i32, i33]])
     axes = _axes(card, grids, node)
@@ -305,10 +305,10 @@ def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
 def without_rotation(
     masses: Sequence[PointMass], assembly: Assembly, ignored: list[str]
 ) -> tuple[PointMass, ...]:
-    """Take inertia and offsets from masses at nodes that nothing keeps from turning.
+    """Remove inertia and offsets of masses at nodes without rotational stiffness.
 
-    Nastran holds such rotations (PARAM,AUTOSPC), so that the mass moves with its node alone. The
-    assembly is that without the masses.
+    Nastran holds such rotations (PARAM,AUTOSPC), so the mass only translates with its node. The
+    assembly must not have the masses yet.
     """
     turning = [item for item in masses if np.any(item.inertia) or any(item.offset)]
     if not turning:
@@ -329,8 +329,8 @@ def without_rotation(
     loose = {item.id for item in turning if not resisted[item.node]}
     if loose:
         ignored.append(
-            f"inertia and offset of {len(loose)} CONM1 or CONM2 at grids that nothing keeps from "
-            "turning, whose rotation Nastran holds (AUTOSPC)"
+            f"inertia and offset of {len(loose)} CONM1 or CONM2 at grids without rotational "
+            "stiffness, whose rotation Nastran holds (AUTOSPC)"
         )
     return tuple(
         PointMass(id=item.id, node=item.node, mass=item.mass) if item.id in loose else item

@@ -1,7 +1,7 @@
 """SPC, SPC1, SPCD, SPCADD and permanent supports: components held at zero, or moved.
 
-MSC Nastran Quick Reference Guide: SPC displaces in every subcase that selects it, SPCD as part of a
-load set, in place of what SPC says and where a selected SPC or SPC1 holds the component.
+MSC Nastran Quick Reference Guide: SPC displaces in each subcase that selects it, SPCD as part of a
+load set, instead of the value of SPC and only where a selected SPC or SPC1 holds the component.
 """
 
 from collections.abc import Iterator, Mapping
@@ -21,19 +21,19 @@ from faying.io.nastran.id_lists import id_list
 from faying.model.assembly import Assembly, Support
 
 ALWAYS = "spc"
-"""Load of what SPC moves where no load set is selected that would take it along."""
+"""Load of displacements by SPC if no load set is selected."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Moved:
-    """What SPC and SPCD displace.
+    """Displacements by SPC and SPCD.
 
     Attributes
     ----------
     by_load
-        Load sets to places and displacements by SPCD; None, the first, is of those by SPC.
+        Load sets to displacements by SPCD, by place; the first key, None, has those by SPC.
     unread
-        Load sets to why they are left out.
+        Load sets to the reasons why they are left out.
     """
 
     by_load: Mapping[int | None, Mapping[Place, float]] = field(default_factory=lambda: {None: {}})
@@ -41,13 +41,13 @@ class Moved:
 
     @property
     def places(self) -> list[Place]:
-        """All that moves, each once."""
+        """Return all moved places without duplicates."""
         return [*dict.fromkeys(dof for moved in self.by_load.values() for dof in moved)]
 
     def of_node(self, node: int, axes: Matrix | None) -> dict[str, Vector]:
-        """Return how far a node is moved (3,), by load set and :data:`ALWAYS`.
+        """Return the displacement (3,) of a node by load set and :data:`ALWAYS`.
 
-        Its components are along axes; the basic ones if None.
+        Components are along ``axes``; along the basic axes if None.
         """
         rows = np.eye(3) if axes is None else axes
         motions = {}
@@ -58,7 +58,7 @@ class Moved:
         return motions
 
     def without(self, nodes: Indices) -> "Moved":
-        """Return what moves at other nodes."""
+        """Return the displacements of other nodes."""
         gone = set(nodes.tolist())
         by_load = {
             number: {dof: value for dof, value in moved.items() if dof[0] not in gone}
@@ -68,15 +68,14 @@ class Moved:
 
 
 def _displacements(bulk: BulkData, cards: Cards) -> Iterator[tuple[int, Place, float, str]]:
-    """Yield set, component, value and place of displacements: of SPC those other than zero."""
+    """Yield set, component, value and position of SPCD and of nonzero displacements of SPC."""
     these = cards.groups(1, 3)
     if cards.name == "SPC":
         these = these.take(these.reals(2, 0.0) != 0)
     if len(these) and bulk.control.heat:
         these.refuse(
             0,
-            "a temperature, for the analysis is one of heat transfer; no temperatures are computed "
-            "here",
+            "a temperature, as the analysis is heat transfer; no temperatures are computed here",
             2,
         )
     for i, (nodes, number, digits, value) in enumerate(
@@ -93,9 +92,9 @@ def _displacements(bulk: BulkData, cards: Cards) -> Iterator[tuple[int, Place, f
 
 
 def _moved(bulk: BulkData, single: Cards | None, fixed: Mask) -> Moved:
-    """Return what moves; load sets that move what nothing holds belong to other supports.
+    """Return the displacements; load sets that move unsupported components are left out.
 
-    The selected SPC (``single``) hold with SPC1 what is fixed (n_node, 6).
+    The selected SPC (``single``) and SPC1 hold the components in ``fixed`` (n_node, 6).
     """
     always: dict[Place, float] = {}
     for _, dof, value, where in () if single is None else _displacements(bulk, single):
@@ -121,9 +120,9 @@ def _moved(bulk: BulkData, single: Cards | None, fixed: Mask) -> Moved:
 def with_moving(
     bulk: BulkData, assembly: Assembly, moved: Moved
 ) -> tuple[Assembly, dict[int | None, Matrix]]:
-    """Return the assembly with springs where supports move, and the forces (n_node, 6) on these.
+    """Return the assembly with springs at moving supports, and the forces (n_node, 6) on them.
 
-    Forces are by load set, those of SPC by None.
+    Forces are by load set; the key None is for SPC.
     """
     sets = moved.by_load
     courses = {dof: tuple(moves.get(dof, 0.0) for moves in sets.values()) for dof in moved.places}
@@ -145,12 +144,12 @@ def with_moving(
 
 
 def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
-    """Read the SPC sets that case control selects; without case control all of them.
+    """Read the SPC sets selected by case control; all sets without case control.
 
-    Supports of one set with the same components are joined. Where a displacement coordinate system
-    makes their directions differ from the basic ones, nodes with equal directions are joined.
-    Permanent supports of GRID have the id 0. Returned is what stands still, and what SPC and SPCD
-    displace.
+    Supports of one set with the same components are joined. In displacement coordinate systems
+    with other than basic directions, nodes with equal directions are joined. Permanent supports
+    of GRID have the id 0. Returned are the fixed supports, and the displacements by SPC and
+    SPCD.
     """
     spc, lists = bulk.cards.get("SPC"), bulk.cards.get("SPC1")
     present = [cards for cards in (spc, lists) if cards is not None]
@@ -187,7 +186,7 @@ _Fixed = Iterator[tuple[int, tuple[int, ...], Indices]]
 
 
 def _singles(cards: Cards | None, grids: Grids) -> _Fixed:
-    """Yield what SPC fixes, nodes of one set with the same components together."""
+    """Yield the components fixed by SPC, with nodes of equal set and components together."""
     if cards is None:
         return
     groups = cards.groups(1, 3)
@@ -201,7 +200,7 @@ def _singles(cards: Cards | None, grids: Grids) -> _Fixed:
 
 
 def _lists(cards: Cards | None, grids: Grids) -> _Fixed:
-    """Yield what SPC1 fixes."""
+    """Yield the components fixed by SPC1."""
     for card in () if cards is None else cards:
         texts = card.texts[2:]
         ids = id_list(card, texts, grids.ids)
@@ -219,7 +218,7 @@ def _lists(cards: Cards | None, grids: Grids) -> _Fixed:
 def _standing(
     number: int, numbers: tuple[int, ...], nodes: Indices, moving: Mask, grids: Grids
 ) -> Iterator[Support]:
-    """Yield supports of what does not move, one for nodes of equal components and directions."""
+    """Yield fixed supports, one for nodes of equal components and directions."""
     still = ~moving[nodes[:, None], list(numbers)]
     axes = grids.systems.axes_of(nodes)
     # Rounding at 1e-12 joins nodes whose directions differ by arithmetic only.

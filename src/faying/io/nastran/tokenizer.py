@@ -1,7 +1,7 @@
 """A deck with its INCLUDE files: case control, and bulk data as one flat table of fields.
 
-A physical line contributes eight data fields, four in large field form. Everything is done for all
-lines at once; a Python loop touches only free-field lines.
+A physical line has eight data fields, four in large field form. All lines are processed at once;
+only free-field lines need a Python loop.
 """
 
 import re
@@ -28,9 +28,9 @@ _CONTROL = re.compile(rb"^\s*(?:CEND\b|SOL\s+\S|SUBCASE\s+\d)")
 
 
 def read_source(path: Path) -> tuple[Lines, Lines]:
-    """Return case control lines, with everything before them, and bulk data lines of a deck.
+    """Return the lines before bulk data (up to case control), and the bulk data lines of a deck.
 
-    A file without BEGIN BULK is bulk data from its first line, unless it holds a CEND or SOL.
+    A file without BEGIN BULK is bulk data from its first line, unless it has a CEND or SOL.
     """
     lines = read_lines(path, _DIALECT)
     return _sections(replace(lines, text=lines.text.upper()), path)
@@ -38,7 +38,7 @@ def read_source(path: Path) -> tuple[Lines, Lines]:
 
 def _sections(lines: Lines, path: Path) -> tuple[Lines, Lines]:
     begin = 0
-    # DMAP in front of CEND has a BEGIN of its own.
+    # DMAP before CEND has its own BEGIN.
     cend = next(_matching(lines.text, b"CEND", _CEND), -1)
     begins = [i for i in _matching(lines.text, b"BEGIN", _BEGIN) if i > cend]
     if begins:
@@ -60,12 +60,12 @@ def _sections(lines: Lines, path: Path) -> tuple[Lines, Lines]:
 
 
 def _matching(text: LineTexts, keyword: bytes, pattern: re.Pattern[bytes]) -> Iterator[int]:
-    """Yield the lines that match a pattern, of those that hold its keyword."""
+    """Yield the lines with a keyword that match a pattern."""
     return (i for i in text.holding(keyword).tolist() if pattern.match(text[i]))
 
 
 def _includes(text: LineTexts, where: Callable[[int], str]) -> Iterator[tuple[int, int, str]]:
-    """Yield first line, line behind and file name of each INCLUDE."""
+    """Yield first line, next line and file name of each INCLUDE."""
     line = 0
     for candidate in text.upper().holding(b"INCLUDE").tolist():
         match = _INCLUDE.match(text[candidate])
@@ -75,7 +75,7 @@ def _includes(text: LineTexts, where: Callable[[int], str]) -> Iterator[tuple[in
 
 
 def _file_name(lines: LineTexts, line: int, start: int, origin: str) -> tuple[str, int]:
-    """File name of an INCLUDE (quoted, over several lines perhaps, or bare) and the next line."""
+    """Return the file name of an INCLUDE (bare, or quoted on several lines) and the next line."""
     quote = lines[line][start - 1 : start]
     if quote not in (b"'", b'"'):
         bare = lines[line][start:].partition(b"$")[0].strip()
@@ -92,7 +92,7 @@ def _file_name(lines: LineTexts, line: int, start: int, origin: str) -> tuple[st
 
 def _decoded(name: bytes, origin: str) -> str:
     if not name:
-        refuse(f"{origin}: INCLUDE names no file; give one in quotes")
+        refuse(f"{origin}: INCLUDE without a file name; give one in quotes")
     return name.decode("utf-8", "surrogateescape")
 
 
@@ -104,7 +104,7 @@ _BLANKS = np.frombuffer(b" " * 8, dtype=np.uint64)[0]
 _COLUMNS = 80
 _DATA = 72
 _NAME_AND_ID = re.compile(rb"([A-Z][A-Z0-9]{0,7}\*?) +(\d+)")
-"""What may stand before the first comma: blanks separate fields too."""
+"""Text before the first comma; blanks separate fields too."""
 
 _Letters = npt.NDArray[np.uint8]
 
@@ -124,7 +124,7 @@ def read_cards(lines: Lines) -> Bulk:
     origin = origin[standing]
     text, _ = edited(text, _without_tabs(text, origin, lines))
     letters = text.letters(_COLUMNS)
-    np.maximum(letters, np.uint8(_BLANK), out=letters)  # below the blank nothing is printable
+    np.maximum(letters, np.uint8(_BLANK), out=letters)  # unprintable below the blank
     rows = np.flatnonzero((_words(letters) != _BLANKS).any(axis=1))
     if len(rows) < len(letters):
         letters, origin = letters[rows], origin[rows]
@@ -161,7 +161,7 @@ def read_cards(lines: Lines) -> Bulk:
 
 
 def _words(letters: _Letters) -> npt.NDArray[np.uint64]:
-    """Eight characters in one number."""
+    """Return eight characters as one number."""
     return letters.view(np.uint64)
 
 
@@ -179,14 +179,14 @@ def _without_tab(line: bytes, lines: Lines, i: int) -> bytes:
 
 
 def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
-    """Name and exactly eight (large: four) data fields of a free-field line."""
+    """Return name and exactly eight (large: four) data fields of a free-field line."""
     parts = [part.strip() for part in line.split(b",")]
     if match := _NAME_AND_ID.fullmatch(parts[0]):
         parts[:1] = match.groups()
     if len(parts[0]) > 8 or b" " in parts[0]:
         shown = parts[0][:24].decode("latin-1")
         refuse(
-            f"{lines.where(i)}: a comma behind '{shown}' in a line of fixed fields; write points "
+            f"{lines.where(i)}: a comma after '{shown}' in a line of fixed fields; write points "
             "for decimal commas, or separate all fields by commas"
         )
     size = 4 if b"*" in parts[0] else 8
@@ -202,14 +202,14 @@ def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
 def _check_markers(
     letters: _Letters, continued: Mask, free: Mask, source_lines: Indices, lines: Lines
 ) -> None:
-    """Refuse continuations whose mark belongs to another card, as in a deck sorted by name."""
+    """Refuse continuations with the mark of another card, as in a deck sorted by name."""
     below = np.flatnonzero(continued & ~free)
     below = below[(below > 0) & ~free[below - 1]]
     words = _words(letters)
     below = below[(words[below, 0] != _BLANKS) & (words[below - 1, 9] != _BLANKS)]
     mark = np.ascontiguousarray(letters[below, :8]).view("S8").ravel()
     expected = np.ascontiguousarray(letters[below - 1, 72:80]).view("S8").ravel()
-    # Nastran looks at seven of the eight columns only, whatever stands in the first.
+    # Nastran compares seven of the eight columns, without the first.
     named = np.char.strip(_behind_first(mark)) == np.char.strip(_behind_first(expected))
     mark, expected = np.char.strip(mark, b"+* "), np.char.strip(expected, b"+* ")
     wrong = below[(mark != b"") & (expected != b"") & (mark != expected) & ~named]
@@ -222,7 +222,7 @@ def _check_markers(
 
 
 def _behind_first(marks: Fields) -> Fields:
-    """Eight columns without the first."""
+    """Return marks of eight columns without the first one."""
     remainder: Fields = np.ascontiguousarray(numbers.characters(marks)[:, 1:]).view("S7").ravel()
     return remainder
 
@@ -230,9 +230,9 @@ def _behind_first(marks: Fields) -> Fields:
 def _check_straddling(
     letters: _Letters, continued: Mask, free: Mask, source_lines: Indices, lines: Lines
 ) -> None:
-    """Refuse numbers that run over column 72, whose last digits would be lost.
+    """Refuse numbers beyond column 72, whose last digits would be lost.
 
-    A continuation that repeats columns 73 to 80 shows that they hold its mark.
+    If the continuation repeats columns 73 to 80, they are its mark.
     """
     tail, last = letters[:, _DATA], letters[:, _DATA - 1]
     digit = ((tail >= ord("0")) & (tail <= ord("9"))) | (tail == ord("."))
@@ -251,7 +251,7 @@ def _check_straddling(
 
 
 def _padding(large: Mask, continued: Mask) -> Indices:
-    """Empty fields to add to a large-field line that a small-field line continues mid-row."""
+    """Return the blank fields to add to large-field lines continued by small-field lines."""
     padding = np.zeros(len(large), dtype=np.int64)
     joint = np.flatnonzero(large[:-1] & ~large[1:] & continued[1:])
     for i in joint:

@@ -1,4 +1,4 @@
-"""Sections of PBARL and PBEAML that are made of rectangles, by the names of MSCBML0.
+"""Sections of PBARL and PBEAML made of rectangles, by the names of MSCBML0.
 
 Dimensions as in the MSC Nastran Quick Reference Guide, PBARL; y is up, z to the side.
 """
@@ -12,7 +12,7 @@ from faying.digits import SOLVED
 from faying.model.assembly import BeamSection
 
 Rectangle = tuple[float, float, float, float]
-"""Width along z, height along y, and the middle (y, z)."""
+"""Width along z, height along y, and centre (y, z)."""
 
 
 def _i(
@@ -76,20 +76,20 @@ SHAPES: Mapping[str, tuple[int, Callable[..., list[Rectangle]]]] = {
     **{"T": (4, _t), "T1": (4, _t1), "T2": (4, _t)},
     **{"CHAN": (4, _chan), "CHAN1": (4, _chan1)},
 }
-"""Number of dimensions, and the rectangles."""
+"""Number of dimensions, and function that returns the rectangles."""
 ESTIMATED = (
     "sections of PBARL and PBEAML made of thin walls: torsion is the sum of b t^3 / 3, some per "
-    "cent from Nastran's where walls are thick, and shear acts on the walls along it"
+    "cent off Nastran's for thick walls, and only walls along the shear carry it"
 )
 
 
 def walled_section(kind: str, sizes: Sequence[float]) -> tuple[BeamSection, bool]:
-    """Return a section, and whether it is the same upside down and from the other side.
+    """Return a section, and whether it is symmetric about both axes.
 
     Notes
     -----
-    Torsion is that of open thin walls, the sum of b t³/3 over the rectangles; the shear factors
-    are the areas of rectangles that are longer along the shear than across it, over the whole.
+    Torsion is that of open thin walls, the sum of b t³/3 over the rectangles. Shear factors are the
+    area of rectangles that are longer along the shear than across it, over the total area.
     """
     width, height, y, z = np.array(SHAPES[kind][1](*sizes)).T
     if not min(width.min(), height.min()) > 0:

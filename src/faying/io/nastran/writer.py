@@ -1,4 +1,4 @@
-"""Write an :class:`~faying.model.assembly.Assembly` as a Nastran deck."""
+"""Writing an :class:`~faying.model.assembly.Assembly` as a Nastran deck."""
 
 import os
 import re
@@ -39,9 +39,9 @@ class Numbering:
     sections
         Section and material to property id.
     supports, equations
-        Set id of the assembly to that of the deck (only 0 changes).
+        Set ids of the assembly to set ids of the deck (only 0 changes).
     elements
-        Family and id of the assembly to the id of the deck.
+        Element family and id of the assembly to the element id of the deck.
     spc, mpc
         Sets that case control selects.
     """
@@ -57,7 +57,7 @@ class Numbering:
 
 
 def number_assembly(assembly: Assembly) -> Numbering:
-    """Give everything in an assembly an id of its own."""
+    """Return unique ids for all items of an assembly."""
     supports, equations = (
         _numbered({item.id: item.id for item in items}, "constraint set")
         for items in (assembly.supports, assembly.equations)
@@ -68,9 +68,9 @@ def number_assembly(assembly: Assembly) -> Numbering:
     for beam in assembly.beams:
         sections.setdefault((beam.section, beam.material), beam.property)
     return Numbering(
-        # Different materials of one name are numbered anew.
+        # Different materials of one name get new numbers.
         materials=_numbered(
-            {m: _said(m.name) if named[m.name] == 1 else 0 for m in materials}, "number"
+            {m: _number_of(m.name) if named[m.name] == 1 else 0 for m in materials}, "number"
         ),
         sections=_numbered(
             sections,
@@ -79,7 +79,7 @@ def number_assembly(assembly: Assembly) -> Numbering:
         ),
         supports=supports,
         equations=equations,
-        loads=_numbered({name: _said(name) for name in assembly.loads}, "number"),
+        loads=_numbered({name: _number_of(name) for name in assembly.loads}, "number"),
         elements=_elements(assembly),
         spc=_joined(supports),
         mpc=_joined(equations),
@@ -92,7 +92,7 @@ _Key = TypeVar("_Key")
 def _numbered(
     wanted: Mapping[_Key, int], what: str, taken: Collection[int] = ()
 ) -> dict[_Key, int]:
-    """Return the numbers that are wanted, and free ones for what is not positive or taken."""
+    """Return the wanted numbers; free numbers replace those that are not positive or are taken."""
     used, free = set(taken), max([0, *wanted.values(), *taken])
     numbers = {}
     for key, preferred in wanted.items():
@@ -113,8 +113,8 @@ def _joined(sets: Mapping[int, int]) -> int:
     return next(iter(values)) if len(values) == 1 else max(values, default=0) + 1
 
 
-def _said(name: str) -> int:
-    """Return the number that a name is; 0 where it is none."""
+def _number_of(name: str) -> int:
+    """Return a name as a number; 0 if it is not a number."""
     return int(name) if _NUMBER.fullmatch(name) else 0
 
 
@@ -166,14 +166,13 @@ def write_deck(
     Raises
     ------
     FormatError
-        If ``modes`` is no positive number, the assembly cannot be said in bulk data (matrices,
-        ids above 99 999 999, several support directions at a node), or the file cannot be
-        written.
+        If ``modes`` is not positive, bulk data cannot represent the assembly (matrices, ids above
+        99 999 999, several support directions at a node), or the file cannot be written.
 
     Notes
     -----
-    Real numbers take 16 columns: 10 to 15 digits. Set names, facets and ids that clash are not
-    kept; load sets and materials whose names are no numbers are numbered (comments tell).
+    Real numbers take 16 columns: 10 to 15 digits. Set names, facets and clashing ids are not
+    kept; comments give the names of load sets and materials that are not numbers.
     """
     write_whole(path, _deck(assembly, title or assembly.name, loads, modes))
 
@@ -184,7 +183,7 @@ def _deck(assembly: Assembly, title: str, loads: str | None, modes: int | None) 
         names = ", ".join(assembly.loads) or "none"
         refuse(f"the assembly has no load set '{loads}'; load sets are {names}")
     if modes is not None and modes < 1:
-        refuse(f"{modes} modes are asked for; ask for one or more, or leave modes out")
+        refuse(f"{modes} modes requested; request one or more, or omit modes")
     numbering = number_assembly(assembly)
     selected = loads if loads is not None else next(iter(assembly.loads), None)
     control = [f"TITLE = {' '.join(title.split())[:60]}"]
@@ -240,7 +239,7 @@ def _grids(assembly: Assembly) -> Iterator[str]:
 
 
 def _check_turned(assembly: Assembly, nodes: Indices) -> None:
-    """Refuse component-wise constraints at nodes whose displacement system is not the basic one."""
+    """Refuse single-component constraints at nodes with their own displacement system."""
     if not len(nodes):
         return
     used = {node for equation in assembly.equations for node, _, _ in equation.terms}
@@ -283,7 +282,7 @@ def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
     for (section, material), number in numbering.sections.items():
         factors = [section.shear_factor_y, section.shear_factor_z]
         stiff = np.isinf(factors).all()
-        # Zero is Nastran's infinite shear stiffness; eight stress points lie in between.
+        # Zero means infinite shear stiffness; the eight stress points come first.
         shear = [] if stiff else [*[None] * 10, *(0.0 if np.isinf(k) else k for k in factors)]
         made_of = numbering.materials[material]
         main = [section.area, section.inertia_z, section.inertia_y, section.torsion]
@@ -291,9 +290,9 @@ def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
 
 
 def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
-    """IN and ISOP of PSOLID for which Nastran's element is the one faying uses."""
+    """Return IN and ISOP of PSOLID that make Nastran's element equal to faying's."""
     schemes = {kind: solid_element(kind, element).elsewhere.nastran_scheme for kind in kinds}
-    # Only eight-node bricks lose something by more points than they need.
+    # Only eight-node bricks change with more points than they need.
     allowed = {schemes["hex8"]} if "hex8" in kinds else set(schemes.values())
     return next(
         (scheme for scheme in (("THREE", "FULL"), ("TWO", "FULL")) if scheme in allowed),
@@ -305,7 +304,7 @@ def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterat
     formulation = block.formulation or (assembly.element if block.kind == "hex8" else "")
     if block.formulation or formulation.startswith("reduced"):
         refuse(
-            f"element {block.ids[0]} is a {formulation} {block.kind}, which Nastran has not, "
+            f"element {block.ids[0]} is a {formulation} {block.kind}, which Nastran lacks, "
             "or not beside others; give the model one formulation, or write a CalculiX deck"
         )
     name = SOLIDS[block.kind].elsewhere.nastran
@@ -329,7 +328,7 @@ def _lines(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
         yield large("CELAS2", [numbering.elements["spring", spring.id], spring.stiffness, *ends])
     for mass in assembly.masses:
         i = mass.inertia
-        # The off-diagonal fields of CONM2 are ∫ x y dm, the negative of the tensor's entries.
+        # Off-diagonal fields of CONM2 are ∫ x y dm, the negative of the tensor's entries.
         tensor = [i[0][0], -i[1][0], i[1][1], -i[2][0], -i[2][1], i[2][2]]
         fields = [numbering.elements["mass", mass.id], int(ids[mass.node]), 0]
         yield large("CONM2", [*fields, mass.mass, *mass.offset, None, *tensor])
