@@ -29,25 +29,17 @@ def at(curve, frequencies):
     return [int(np.abs(curve.frequency - frequency).argmin()) for frequency in frequencies]
 
 
-# At this one the eleventh harmonic meets mode 6: with 8 or 9 of them it was 0.6 % off, 0.2 with 11.
-MEETS = REFERENCE["frequency"] == 649.75
-
-
 @pytest.mark.parametrize(
-    ("rows", "harmonics"),
-    [
-        pytest.param(REFERENCE[REFERENCE["level"] == 0.3], 9, marks=pytest.mark.long),
-        pytest.param(REFERENCE[(REFERENCE["level"] == 5.0) & ~MEETS], 9, marks=pytest.mark.slow),
-        pytest.param(REFERENCE[MEETS], None, marks=pytest.mark.slow),
-    ],
+    "level", [pytest.param(0.3, marks=pytest.mark.long), pytest.param(5.0, marks=pytest.mark.slow)]
 )
-def test_steady_states_of_transients(joint, rows, harmonics):
-    """Generalized-α of a program apart from faying, settled over 120 to 300 periods."""
-    level = rows["level"][0]
+def test_steady_states_of_transients(joint, level):
+    """Generalized-α of a program apart from faying, settled over 120 to 300 periods.
+
+    At 649.75 the eleventh harmonic meets mode 6: 0.63 % off where nine of all modes alone moved.
+    """
+    rows = REFERENCE[REFERENCE["level"] == level]
     asked = rows["frequency"] * LONGER
-    (curve,) = fy.frequency_response(
-        joint, {"tip.Fz": 1.0}, asked, [level], harmonics=harmonics, tolerance=0.003
-    ).curves
+    (curve,) = fy.frequency_response(joint, {"tip.Fz": 1.0}, asked, [level], harmonics=9).curves
     assert curve.missed == ()
     points, contact = at(curve, asked), curve.contact
     moved = curve.response("tip.uz")[points]

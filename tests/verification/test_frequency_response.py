@@ -63,13 +63,15 @@ def test_derivatives_are_those_of_the_path(lap, motion_size, length, closing, to
     """Through slip, opening, closing and both periods; also by the frequency."""
     rest = fy.solve_path(lap, [fy.Load()])
     forced = ForcedJoint.of(lap, {"tip.Fz": 1.0, "tip.Fy": 0.5j}, rest, np.array([600.0]))
-    points = np.flatnonzero(forced.stuck.forces[0] >= 0)
+    points, loads = np.flatnonzero(forced.stuck.forces[0] >= 0), forced.loads(2, Released())
+    pairs = np.ones((3, loads.n_mode), dtype=bool)
+    pairs[2, 1] = False
     problem = PeriodicProblem.of(
         forced.stuck,
         points,
-        forced.loads(2, Released()),
+        loads,
         level=20.0,
-        n_harmonic=2,
+        pairs=pairs,
         samples=24,
     )
     circular, size = 2 * np.pi * 600.0, problem.size
@@ -187,12 +189,13 @@ def test_points_off_their_springs_go_the_way_of_all_paths(lap):
     """Slip, opening and both periods, beside increments between the pairs by their own solver."""
     rest = fy.solve_path(lap, [fy.Load()])
     forced = ForcedJoint.of(lap, {"tip.Fz": 1.0}, rest, np.array([600.0]))
+    loads = forced.loads(1, Released())
     problem = PeriodicProblem.of(
         forced.stuck,
         np.arange(lap.contact.n_points),
-        forced.loads(1, Released()),
+        loads,
         level=30.0,
-        n_harmonic=1,
+        pairs=np.ones((2, loads.n_mode), dtype=bool),
         samples=12,
     )
     x, circular = np.full(problem.size, 2e-6), 2 * np.pi * 600.0

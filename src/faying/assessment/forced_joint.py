@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import ComplexMatrix, Indices, Matrix, SparseMatrix, Vector
+from faying._typing import ComplexMatrix, Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.assessment.drawn_curve import drawn_curve, harmonics_of
 from faying.assessment.response_curve import ResponseCurve, boundary_components
 from faying.assessment.stuck_modes import (
@@ -163,8 +163,7 @@ class ForcedJoint:
             released = released if change > tolerance else begun
         if released != begun:
             traced = self._traced(level, order, samples, released)
-        judged = _highest if harmonics else _least_certain
-        point = judged(traced.points)
+        point = _highest(traced.points) if harmonics else self._least_certain(traced.points, order)
         finer, change = self._changed(point, order + MORE, samples, released)
         first = order
         while harmonics is None and change > tolerance and finer and order + MORE <= MOST:
@@ -172,7 +171,7 @@ class ForcedJoint:
             finer, change = self._changed(finer, order + MORE, samples, released)
         if order > first:
             traced = self._traced(level, order, samples, released)
-            point = judged(traced.points)
+            point = self._least_certain(traced.points, order)
             finer, change = self._changed(point, order + MORE, samples, released)
         if point is not None and change > tolerance:
             at = f"{point.motion.circular / (2 * np.pi):.6g}"
@@ -226,7 +225,7 @@ class ForcedJoint:
     def _starts(self, problem: PeriodicProblem, released: "Released") -> list[Vector]:
         """Return first guesses of the unknowns, the closest first."""
         driven, rest = 2 * np.pi * float(self.frequencies[0]), problem.loads.rest
-        first = np.zeros((problem.n_harmonic + 1, rest.n_mode), dtype=complex)
+        first = np.zeros(problem.pairs.shape, dtype=complex)
         first[1] = problem.level * rest.swung(driven)[: rest.n_mode]
         starts = [problem.packed(first)]
         if released.slides:
@@ -247,14 +246,28 @@ class ForcedJoint:
         released: "Released",
         points: Indices | None = None,
     ) -> PeriodicProblem:
+        loads = self.loads(order, released)
+        count = samples or max(FEWEST_SAMPLES, PER_HARMONIC * order)
         return PeriodicProblem.of(
             self.stuck,
             self.stuck.first() if points is None else points,
-            self.loads(order, released),
+            loads,
             level=level,
-            n_harmonic=order,
-            samples=samples or max(FEWEST_SAMPLES, PER_HARMONIC * order),
+            pairs=self._pairs(loads.rest, order, count),
+            samples=count,
         )
+
+    def _pairs(self, rest: StuckRest, order: int, samples: int) -> Mask:
+        """Return the harmonics of shapes that move (H + 1, n_mode), with so many samples.
+
+        To an order all do, and past it those that inertia moves more than it holds, k²ω² < 2 ω_m²,
+        as far as a harmonic has eight samples.
+        """
+        k = np.arange(max(order, samples // 8) + 1)[:, None]
+        driven = 2 * np.pi * float(self.frequencies[-1])
+        squares = np.diag(rest.stiffness)[: rest.n_mode]
+        pairs = (k <= order) | ((k * driven) ** 2 < 2 * squares)
+        return np.asarray(pairs[: int(np.flatnonzero(pairs.any(axis=1))[-1]) + 1])
 
     def _first_order(self) -> int:
         """Return the number of harmonics past the first that meets an excited mode."""
@@ -268,6 +281,21 @@ class ForcedJoint:
                 return max(FEWEST, k + 2)
         return FEWEST
 
+    def _least_certain(self, points: Sequence[CurvePoint], order: int) -> CurvePoint | None:
+        """Return the point that more harmonics change most, by one step of Newton's method."""
+
+        def change(point: CurvePoint) -> float:
+            problem, harmonics = point.problem, point.motion.harmonics
+            pairs = self._pairs(problem.loads.rest, order + MORE, problem.samples)
+            problem = replace(problem, pairs=pairs)
+            harmonics = np.pad(harmonics, ((0, len(pairs) - len(harmonics)), (0, 0)))
+            motion = replace(point.motion, harmonics=harmonics)
+            slopes = problem.derivatives(motion).residual[:, :-1]
+            step = problem.unpacked(np.asarray(la.solve(slopes, problem.residual(motion))))
+            return float(np.linalg.norm(step[1]) / np.linalg.norm(harmonics[1]))
+
+        return max(points, key=change, default=None)
+
     def _changed(
         self, point: CurvePoint | None, order: int, samples: int | None, released: "Released"
     ) -> tuple[CurvePoint | None, float]:
@@ -278,8 +306,9 @@ class ForcedJoint:
         watched, level = point.problem.local.points, point.problem.level
         problem = self._problem(level, order, samples, released, watched)
         old, new = point.problem.loads.rest.shapes, problem.loads.rest.shapes
-        begun = np.zeros((order + 1, new.shape[1]), dtype=complex)
-        begun[: len(coarse)] = coarse @ (old.T @ (self.system.M @ new))
+        begun = np.zeros(problem.pairs.shape, dtype=complex)
+        n = min(len(begun), len(coarse))
+        begun[:n] = coarse[:n] @ (old.T @ (self.system.M @ new))
         try:
             fine = solve_motion(problem, problem.packed(begun), point.motion.circular)
         except ConvergenceError:
@@ -318,18 +347,3 @@ def _work(point: CurvePoint) -> ComplexMatrix:
 def _highest(points: Sequence[CurvePoint]) -> CurvePoint | None:
     """Return the point of the largest displacement along the load."""
     return max(points, key=lambda point: float(np.linalg.norm(_work(point))), default=None)
-
-
-def _least_certain(points: Sequence[CurvePoint]) -> CurvePoint | None:
-    """Return the point that more harmonics change most, by one step of Newton's method."""
-
-    def change(point: CurvePoint) -> float:
-        count = point.problem.n_harmonic + MORE
-        problem = replace(point.problem, n_harmonic=count)
-        harmonics = np.pad(point.motion.harmonics, ((0, MORE), (0, 0)))
-        motion = replace(point.motion, harmonics=harmonics)
-        slopes = problem.derivatives(motion).residual[:, :-1]
-        step = problem.unpacked(np.asarray(la.solve(slopes, problem.residual(motion))))
-        return float(np.linalg.norm(step[1]) / np.linalg.norm(harmonics[1]))
-
-    return max(points, key=change, default=None)

@@ -42,8 +42,9 @@ def frequency_response(
     levels : (n_level,)
         Factors of the load.
     harmonics
-        Number of harmonics of the modes. By default past the first one that meets an excited
-        mode, and three more until no motion changes by ``tolerance``.
+        Number of harmonics of all modes; those that higher ones move more than statically have
+        these too. By default past the first one that meets an excited mode, and three more until no
+        motion changes by ``tolerance``.
     samples
         Increments of a period; by default 16 for each harmonic, 64 at least.
     tolerance

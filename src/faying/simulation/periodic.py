@@ -1,16 +1,16 @@
 """Periodic motion of a joint under harmonic loads, in modal coordinates on the exact statics.
 
-The unknowns are the harmonics q_k, k = 0 … H, of a few M-orthonormal shapes φ, such as modes of
-small vibrations with every closed point stuck. Their motion q(t) = φᵀ M (u − u₀) is prescribed, and
+The unknowns are harmonics q_k, k = 0 … H, of a few M-orthonormal shapes φ, such as modes of small
+vibrations with every closed point stuck. Their motion q(t) = φᵀ M (u − u₀) is prescribed, and
 everything else follows along two periods of N increments, of which the second one counts: under
 forces M φ a(t) that make the shapes move so, and f(t) − M Y ẍ(t) − C (φ q̇(t) + Y ẋ(t)), with
 
     a_k = k² ω² q_k.                                                                        (F11)
 
 The rest Y x is that of the stuck joint (F17); what slip and opening add to it is quasi-static.
-Harmonics past H are none of these shapes, whose inertia holds them, and the static ones of all
-else. Contact is that of paths: increments (F12) of the points that slip, open or close, all others
-being springs (F10), and no force of contact is cut at H.
+Other harmonics are none of these shapes, whose inertia holds them, and the static ones of all else.
+Contact is that of paths: increments (F12) of the points that slip, open or close, all others being
+springs (F10), and no force of contact is cut at H.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ import numpy as np
 import scipy.linalg as la
 import scipy.sparse as sp
 
-from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, Vector
+from faying._typing import ComplexMatrix, ComplexVector, Indices, Mask, Matrix, Vector
 from faying.contact.stuck_points import LocalContact, StuckPoints
 from faying.joint.system import System
 from faying.model.bolt import Bolt
@@ -214,8 +214,8 @@ class PeriodicProblem:
     loads
     level
         Factor of the load.
-    n_harmonic
-        H.
+    pairs : (H + 1, n_mode)
+        Harmonics of each shape that are unknown; the others are nil.
     samples
         N.
     """
@@ -224,7 +224,7 @@ class PeriodicProblem:
     local: LocalContact
     loads: ModalLoads
     level: float
-    n_harmonic: int
+    pairs: Mask
     samples: int
 
     @classmethod
@@ -238,7 +238,12 @@ class PeriodicProblem:
     @property
     def size(self) -> int:
         """Number of real unknowns."""
-        return (2 * self.n_harmonic + 1) * self.loads.n_mode
+        return int(self.pairs.sum() + self.pairs[1:].sum())
+
+    @property
+    def n_harmonic(self) -> int:
+        """H."""
+        return len(self.pairs) - 1
 
     @cached_property
     def _angles(self) -> Matrix:
@@ -248,13 +253,14 @@ class PeriodicProblem:
 
     def packed(self, harmonics: ComplexMatrix) -> Vector:
         """Return harmonics (H + 1, n_mode) as real unknowns, real parts first."""
-        return np.concatenate([harmonics.real.ravel(), harmonics[1:].imag.ravel()])
+        turning = self.pairs[1:]
+        return np.concatenate([harmonics.real[self.pairs], harmonics[1:].imag[turning]])
 
     def unpacked(self, unknowns: Vector) -> ComplexMatrix:
         """Return the harmonics of real unknowns."""
-        H, m = self.n_harmonic, self.loads.n_mode
-        harmonics = unknowns[: (H + 1) * m].reshape(H + 1, m).astype(complex)
-        harmonics[1:] += 1j * unknowns[(H + 1) * m :].reshape(H, m)
+        harmonics, n = np.zeros(self.pairs.shape, dtype=complex), int(self.pairs.sum())
+        harmonics[self.pairs] = unknowns[:n]
+        harmonics[1:][self.pairs[1:]] += 1j * unknowns[n:]
         return harmonics
 
     def _given(self, harmonics: ComplexMatrix) -> ComplexMatrix:
@@ -332,20 +338,21 @@ class PeriodicProblem:
         wave, order = np.exp(1j * self._angles), motion.circular * np.arange(H + 1)
         factors, slopes = map(np.array, zip(*map(self.loads.factors, order.tolist()), strict=True))
         # Derivatives of the load columns by the unknowns.
-        added = np.einsum("nk,kcm->nckm", wave, factors[:, :, 1:]).reshape(N, n, -1)
+        order_of, mode_of = np.nonzero(self.pairs)
+        added = wave[:, None, order_of] * factors[order_of, :, 1 + mode_of].T
         given = self._given(motion.harmonics) * np.arange(H + 1)[:, None]
         per_frequency = (wave @ np.einsum("kcm,km->kc", slopes, given)).real
-        columns = np.dstack([added.real, -added.imag[:, :, m:], per_frequency])
+        columns = np.dstack([added.real, -added.imag[:, :, order_of > 0], per_frequency])
         modal = slice(2, 2 + m)
         change = np.einsum("mc,ncx->nmx", self.loads.answers[modal], columns)
         shapes = self._at_points[:, :n]
         excess = local_derivatives(self.local, motion.path, shapes, columns)
         for number, (rows, per_unknown) in enumerate(excess[-N:]):
             change[number] += shapes[rows, modal].T @ per_unknown
-        answer = self._harmonics(change).reshape((H + 1) * m, size + 1)
-        result = np.concatenate([answer.real, answer[m:].imag])
-        squares = np.repeat(order**2, m)
-        result[:, :size] += np.diag(np.concatenate([squares, squares[m:]]))
+        answer = self._harmonics(change)[self.pairs]
+        result = np.concatenate([answer.real, answer[order_of > 0].imag])
+        squares = order[order_of] ** 2
+        result[:, :size] += np.diag(np.concatenate([squares, squares[order_of > 0]]))
         inertia = 2 * (order**2 / motion.circular)[:, None] * motion.harmonics
         result[:, size] += self.packed(inertia)
         return Derivatives(residual=result, columns=columns, excess=excess)
