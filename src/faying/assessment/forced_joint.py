@@ -195,7 +195,8 @@ class ForcedJoint:
                     "all that is closed on an interface slips at once between "
                     f"{sliding.min():.6g} and {sliding.max():.6g}"
                 )
-        return replace(curve, remarks=tuple(remarks))
+        shown = curve.harmonics[:, : order + 1]
+        return replace(curve, harmonics=shown, remarks=tuple(remarks))
 
     def _traced(
         self,
