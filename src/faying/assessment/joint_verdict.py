@@ -70,7 +70,7 @@ class JointVerdict:
     parts
         Bolts, then interfaces.
     units
-        Of the study.
+        Unit set of the study.
     missing
         Why the joint could not be judged; empty where it was.
     """

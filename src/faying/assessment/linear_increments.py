@@ -32,9 +32,9 @@ class Derivatives(Frozen):
     shear_forces : (..., 2, n_point, n_parameter)
         Along both tangents of the points.
     shear_slip : (..., 2, n_point, n_parameter)
-        Of the slip so far.
+        Derivatives of the slip so far.
     dissipation : (..., n_parameter)
-        Of the energy dissipated by friction in each increment.
+        Derivatives of the energy dissipated by friction in each increment.
     bolt_forces : (..., n_bolt, n_parameter)
     displacements : (..., n_boundary, n_parameter)
         At the boundary degrees of freedom, boundary by boundary.

@@ -111,11 +111,11 @@ class Period:
     times : (n_time,) [time]
         From just after the start of the period to its end.
     pressure : (n_time, n_point) [force/length²]
-        Of each contact point.
+        Pressure of each contact point.
     bolt_forces : (n_time,) [force]
-        Of each bolt.
+        Force of each bolt.
     bolt_moments : (n_time, 2, 2) [force·length]
-        Of each bolt with known bending: end, and component across the axis.
+        Moments of each bolt with known bending: end, and component across the axis.
     """
 
     times: Vector
@@ -146,7 +146,7 @@ class ResponseCurve:
         Pressures and bolt forces along a period, by the frequencies of the largest pressure, the
         least clamp force and the largest range of each bolt.
     remarks : (n_remark,)
-        What a reader should know.
+        Remarks for the reader.
     """
 
     level: float
@@ -164,12 +164,12 @@ class ResponseCurve:
 
     @property
     def swept_up(self) -> Mask:
-        """Which points a slow sweep from low to high frequencies passes (n,)."""
+        """Whether a slow sweep from low to high frequencies passes each point (n,)."""
         return np.asarray(self.frequency >= np.maximum.accumulate(self.frequency))
 
     @property
     def swept_down(self) -> Mask:
-        """Which points a slow sweep from high to low frequencies passes (n,)."""
+        """Whether a slow sweep from high to low frequencies passes each point (n,)."""
         lowest = np.minimum.accumulate(self.frequency[::-1])[::-1]
         return np.asarray(self.frequency <= lowest)
 
@@ -249,7 +249,7 @@ class FrequencyResponse(Shown):
     linear
         Linear response with all closed points stuck, at level one.
     remarks : (n_remark,)
-        What a reader should know.
+        Remarks for the reader.
     units
         Consistent unit set of the model, length-mass-time.
     """

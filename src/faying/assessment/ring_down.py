@@ -36,7 +36,7 @@ class Decay:
     amplitude : (n,)
         Half the peak-to-peak value there, in the unit of the motion.
     frequency : (n,) [1/time]
-        Of the damped motion.
+        Frequency of the damped motion.
     damping_ratio : (n,)
         ζ = δ/√(4π² + δ²) of the logarithmic decrement δ of that period.
     """
@@ -122,7 +122,7 @@ class RingDown(Frozen):
     Attributes
     ----------
     mode
-        Its number, from 1.
+        Number of the mode, from 1.
     small_frequency : [1/time]
         Frequency of small vibrations, with every closed point stuck.
     measured_at

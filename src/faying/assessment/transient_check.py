@@ -21,7 +21,7 @@ class TransientCheck:
     phase, transient_phase : [degree]
         Against the load.
     periods : [1]
-        Of the transient.
+        Number of periods of the transient.
     to_come : [1]
         Change that was still to come when it ended, over the amplitude.
     """

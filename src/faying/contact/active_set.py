@@ -1,4 +1,4 @@
-"""Which contact points are closed, for any form of H.
+"""The active set of contact points, for any representation of H.
 
 (M3) of ``docs/theory/method.md``: with the gap flexibility H = S + D, (M2), and the gap without
 contact forces g_free,

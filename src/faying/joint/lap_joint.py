@@ -202,7 +202,7 @@ def lap_joint_assembly(
     penalty, quadrature, order
         See :class:`faying.model.specs.InterfaceSpec`.
     meshes
-        The same; None is ``"non-matching"`` where ``upper_element_size`` is given.
+        See there; None is ``"non-matching"`` where ``upper_element_size`` is given.
     tip_suspension
         Springs from the tip to ground, each translation [force/length] and each rotation
         [moment/rad]. None is no spring for two plates, and :data:`SOFT_SUSPENSION` for three:

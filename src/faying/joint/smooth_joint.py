@@ -21,7 +21,7 @@ class SmoothJoint:
     contact
         Contact by the normal laws of the system alone.
     boundaries, bolts, load_patterns, port_compliance
-        Of the system.
+        As in the system.
     """
 
     contact: Contact

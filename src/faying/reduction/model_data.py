@@ -75,7 +75,7 @@ class ModelData(Frozen):
     mesh
         Nodes, elements and their displacements.
     name, units
-        Of the full model.
+        Name and units of the full model.
     period
         Longest period of small vibrations about the preloaded state [time]; None where unknown.
     method

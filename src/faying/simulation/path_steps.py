@@ -34,7 +34,7 @@ class PathStep:
         The last increment of the load.
     slip : (2, n_point)
     iterations, dissipation
-        Of all increments of the load.
+        Totals over all increments of the load.
     previous
         Increment after the load before; None where that is unknown.
     """

@@ -187,9 +187,9 @@ class Derivatives:
     ----------
     residual : (size, size + 1)
     columns : (N, n_column, size + 1)
-        Of the load columns along a period.
+        Derivatives of the load columns along a period.
     excess : (PERIODS N,)
-        Of the forces beside those of springs.
+        Derivatives of the forces beyond those of springs.
     """
 
     residual: Matrix

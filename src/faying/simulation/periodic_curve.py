@@ -63,7 +63,7 @@ class CurvePoint:
         With the points that had to be watched.
     motion
     derivatives
-        Of the last step of Newton's method.
+        Derivatives at the last step of Newton's method.
     error
         Next step of Newton's method over the unknowns.
     """
