@@ -67,8 +67,6 @@ class LinearModel(Frozen):
         per x of the motion.
     feedthrough : (n_output, n_input)
         D: direct effect of inputs on outputs: a bolt's initial force is part of its force.
-    output_offsets : (n_output,)
-        Outputs at the state.
     input_names, output_names
         Such as ``"tip.Fz"``, ``"bolt.N0"``, the name of a load; ``"tip.uz"``, ``"bolt.N"``,
         ``"joint.clamp"``; with the node id between where a boundary has several nodes.
@@ -90,7 +88,6 @@ class LinearModel(Frozen):
     inputs: Matrix
     outputs: Matrix
     feedthrough: Matrix
-    output_offsets: Vector
     input_names: tuple[str, ...]
     output_names: tuple[str, ...]
     rigid_motions: Matrix
@@ -149,7 +146,6 @@ def linearize(about: ReducedModel | Solution) -> LinearModel:
         inputs=input_forces(system, np.eye(len(_inputs(system)))).T,
         outputs=_output_rows(system, forces),
         feedthrough=_feedthrough(system),
-        output_offsets=_output_offsets(state),
         input_names=_inputs(system),
         output_names=_outputs(system),
         rigid_motions=system.rigid_motions,
@@ -233,14 +229,3 @@ def _feedthrough(system: System) -> Matrix:
     bolts = slice(n_boundary, n_boundary + n_bolt)
     matrix[bolts] = unstretched_bolt_forces(system, np.eye(matrix.shape[1])).T
     return matrix
-
-
-def _output_offsets(state: Solution) -> Vector:
-    system = state.system
-    return np.concatenate(
-        [
-            state.states[boundary_dofs(system.boundaries)],
-            [float(state.bolt_force(name)) for name in system.bolts],
-            [float(state.contact_force(name)) for name in system.contact.slices],
-        ]
-    )
