@@ -8,6 +8,7 @@ contact problems depend on the compliance between ports alone.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -266,3 +267,31 @@ def static_contact_of(system: Joint) -> CondensedContact:
     columns = ports.contact_columns[ports.bolts]
     pulled = -columns.sum(axis=0) if len(columns) else None
     return CondensedContact(contact=system.contact, compliance=ports.pairs, pulled=pulled)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PortableJoint:
+    """A full or reduced model, or another contact law on it, reduced to its ports.
+
+    Attributes
+    ----------
+    contact
+        Where there are no degrees of freedom behind the pairs, ``relative_operator`` has no
+        columns.
+    boundaries, bolts, load_patterns
+        By name; without degrees of freedom those of the boundaries are numbered through, bolts have
+        no elongation row and load patterns no forces.
+    port_compliance
+        Q K⁻¹ Qᵀ.
+    """
+
+    contact: Contact
+    boundaries: Mapping[str, Boundary]
+    bolts: Mapping[str, Bolt]
+    load_patterns: Mapping[str, LoadPattern]
+    port_compliance: PortCompliance
+
+    @cached_property
+    def static_contact(self) -> CondensedContact:
+        """The static contact problem at the ports."""
+        return static_contact_of(self)

@@ -1,7 +1,7 @@
 """A reduced model: a system like the full one, Eq. (15.16), independent of finite elements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -12,12 +12,12 @@ from faying._typing import Matrix
 from faying.contact.between_pairs import BetweenPairs
 from faying.contact.by_shapes import ByShapes
 from faying.contact.condensed import CondensedContact, structure_between
-from faying.contact.contact import Contact
 from faying.display.facts import Shown, counted
 from faying.exceptions import refuse_model
-from faying.joint.load_pattern import LoadPattern, pattern_forces
+from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import (
     Joint,
+    PortableJoint,
     PortCompliance,
     boundary_dofs,
     boundary_slices,
@@ -27,39 +27,10 @@ from faying.joint.system import (
 from faying.linalg.interface import Factorization
 from faying.linalg.relief import factorize_relieved
 from faying.linalg.substitution import symmetrized
-from faying.model.bolt import Bolt
-from faying.model.boundary import Boundary
 from faying.reduction.basis import ModeKind
 from faying.reduction.model_data import ModelData
 from faying.reduction.model_writer import write_model
 from faying.reduction.recovery import Recovery
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PortableJoint:
-    """The full model reduced to its ports.
-
-    Attributes
-    ----------
-    contact
-        Without degrees of freedom behind the pairs, ``relative_operator`` has no columns.
-    boundaries, bolts, load_patterns
-        By name; boundary degrees of freedom are numbered through, bolts have no elongation row and
-        load patterns no forces.
-    port_compliance
-        Q K⁻¹ Qᵀ of the full model.
-    """
-
-    contact: Contact
-    boundaries: Mapping[str, Boundary]
-    bolts: Mapping[str, Bolt]
-    port_compliance: PortCompliance
-    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
-
-    @cached_property
-    def static_contact(self) -> CondensedContact:
-        """The static contact problem of the full model."""
-        return static_contact_of(self)
 
 
 def at_its_ports(joint: Joint, ports: PortCompliance) -> PortableJoint:

@@ -11,7 +11,7 @@ import pytest
 from fake_results import fake_results
 from faying.exceptions import FormatError
 from faying.files import hdf5
-from faying.reduction.reduced_model import PortableJoint
+from faying.joint.system import PortableJoint
 from faying.study.results.store import read_results, write_results
 from faying.study.stages.imported_history import read_imported_history
 
