@@ -20,7 +20,7 @@ def main() -> None:
 
 
 def _end(number: int, _frame: FrameType | None) -> NoReturn:
-    sys.stderr.write("Interrupted; nothing was begun. Give the same command again\n")
+    sys.stderr.write("Interrupted; nothing was written. Give the same command again\n")
     sys.exit(128 + number)
 
 

@@ -1,5 +1,7 @@
 """``faying fit`` and ``faying band``: parameters from measured curves, bands of backbones."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,9 +15,13 @@ from faying.cli.arguments import (
     usable_folder,
     workers_for,
 )
+from faying.cli.interruption import resumable
 
 if TYPE_CHECKING:
     from faying.assessment.identification import Identification
+    from faying.execution import Executor
+    from faying.study.keys.tables import Study
+    from faying.study.stages.books import ProgressBar
 
 Workers = Annotated[int, workers_for("the backbones")]
 
@@ -33,7 +39,7 @@ def fit(
     from faying.workflow.fit import fit_study
 
     folder = usable_folder(out or Path(f"{study.stem}-fit"))
-    with study_work(study, workers, scheduler) as (checked, bar, executor):
+    with _continued("fit", study, folder, workers, scheduler) as (checked, bar, executor):
         fitted = fit_study(checked, folder, progress=bar, executor=executor)
     _show(fitted)
     typer.echo(f"Results are in {folder}")
@@ -52,12 +58,22 @@ def band(
     from faying.workflow.fit import band_of_study
 
     folder = usable_folder(out or Path(f"{study.stem}-band"))
-    with study_work(study, workers, scheduler) as (checked, bar, executor):
+    with _continued("band", study, folder, workers, scheduler) as (checked, bar, executor):
         bands = band_of_study(checked, folder, progress=bar, executor=executor)
     for name, covered in bands.items():
         shown = ", ".join(f"{what} {text}" for what, text in covered.facts.items())
         typer.echo(f"{name}: {shown}")
     typer.echo(f"Results are in {folder}")
+
+
+@contextmanager
+def _continued(
+    name: str, study: Path, folder: Path, workers: int, scheduler: str | None
+) -> "Iterator[tuple[Study, ProgressBar, Executor | None]]":
+    """Yield what a command works with; stopped, it says that the same command continues it."""
+    command = ["faying", name, str(study), "--out", str(folder)]
+    with resumable(command, folder, option=()), study_work(study, workers, scheduler) as work:
+        yield work
 
 
 def _show(fitted: "Identification") -> None:

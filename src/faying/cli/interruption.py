@@ -28,11 +28,13 @@ ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate
 
 
 @contextmanager
-def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterator[None]:
+def resumable(
+    command: Sequence[str], folder: Path, others: str = "", option: Sequence[str] = ("--resume",)
+) -> Iterator[None]:
     """Print how to continue a command that is stopped, and exit with the status of the signal.
 
-    ``command`` is the command line without ``--resume``, and ``others`` further text; the
-    folder's ``unfinished`` keeps finished results.
+    ``command`` is the command line without the ``option`` that continues it, and ``others`` further
+    text; the folder's ``unfinished`` keeps finished results.
     """
     handlers = {}
     if threading.current_thread() is threading.main_thread():  # only it receives signals
@@ -43,7 +45,7 @@ def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterato
         yield
     except KeyboardInterrupt as stopped:
         unfinished = folder / "unfinished"
-        again = shlex.join([*command, *(["--resume"] if unfinished.exists() else [])]) + others
+        again = shlex.join([*command, *(option if unfinished.exists() else ())]) + others
         said = f"finished results are kept in {unfinished}. Continue with"
         if not unfinished.exists():
             said = "nothing was finished yet. Start again with"

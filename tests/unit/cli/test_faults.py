@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -19,6 +20,7 @@ from rich.console import Console
 from fake_results import fake_results
 from faying import __main__ as entry
 from faying.cli import progress
+from faying.cli.fit import band, fit
 from faying.cli.interruption import resumable
 from faying.cli.outcome import show_outcome
 from faying.exceptions import FormatError, StudyError
@@ -212,6 +214,30 @@ def test_a_command_interrupted_early_says_how_to_begin_again(tmp_path, capsys, s
 
 
 @pytest.mark.parametrize(
+    ("command", "works"), [(fit, "fit_study"), (band, "band_of_study")], ids=["fit", "band"]
+)
+def test_an_interrupted_fit_says_that_its_backbones_are_kept(
+    tmp_path, monkeypatch, capsys, command, works
+):
+    """Minutes of them: it said that nothing was begun."""
+
+    def stopped(_study, folder, **_arguments):
+        (folder / "unfinished").mkdir(parents=True)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"faying.workflow.fit.{works}", stopped)
+    module = sys.modules["faying.cli.fit"]  # the package has a function of that name
+    monkeypatch.setattr(module, "study_work", lambda *_: nullcontext((None, None, None)))
+    name, out = command.__name__, tmp_path / "out"
+    with pytest.raises(typer.Exit) as ended:
+        command(Path("a b.toml"), out=out)
+    assert ended.value.exit_code == 130
+    said = f"finished results are kept in {out / 'unfinished'}. Continue with"
+    again = f"  faying {name} 'a b.toml' --out {out}\n"
+    assert capsys.readouterr().err == f"Interrupted; {said}\n{again}"
+
+
+@pytest.mark.parametrize(
     ("stop", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["Ctrl-C", "kill"]
 )
 def test_a_command_interrupted_before_it_is_read_in_says_so(monkeypatch, capsys, stop, status):
@@ -229,7 +255,7 @@ def test_a_command_interrupted_before_it_is_read_in_says_so(monkeypatch, capsys,
         for number, handler in before.items():
             signal.signal(number, handler)
     assert ended.value.code == status
-    expected = "Interrupted; nothing was begun. Give the same command again\n"
+    expected = "Interrupted; nothing was written. Give the same command again\n"
     assert capsys.readouterr().err == expected
 
 
