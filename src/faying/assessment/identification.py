@@ -17,7 +17,7 @@ from faying.exceptions import ModelError, refuse_model
 from faying.simulation.cycles import STATIONARY
 
 STEP = 0.02
-"""Share of a range as step for derivatives.
+"""Share of a range as first step for derivatives, and a fifth of the longest.
 
 Cycles repeat to 1e-3 of their energy, which is the noise of a damping ratio: if a step changes it
 by a few percent, the noise is a few percent of the derivative.
@@ -170,6 +170,7 @@ class _Comparison:
     measured: tuple[MeasuredCurve, ...]
     within: dict[str, Mask] = field(default_factory=dict)
     computed: dict[bytes, tuple[Vector, Mapping[str, Backbone]]] = field(default_factory=dict)
+    moves: Matrix | None = None
 
     def reach(self, start: Vector) -> None:
         """Exclude measured amplitudes that the backbones of the start do not reach."""
@@ -190,12 +191,25 @@ class _Comparison:
         return [self.computed[point.tobytes()][0] for point in trials]
 
     def derivatives(self, shares: Vector) -> Matrix:
-        """Return derivatives of residuals (n_residual, n_parameter) by steps within the ranges."""
-        steps = np.where(shares + STEP <= 1.0, STEP, -STEP)
-        moved = [shares + step * row for step, row in zip(steps, np.eye(len(steps)), strict=True)]
-        still, *stepped = self.residuals([shares, *moved])
-        columns = [(values - still) / step for values, step in zip(stepped, steps, strict=True)]
-        return np.column_stack(columns)
+        """Return derivatives of residuals (n_residual, n_parameter) by steps both ways.
+
+        After the first time they go along the principal directions of the derivatives before, as
+        far as changes residuals by about one: where the data tell little, curvature of what they
+        tell well would else be taken for it.
+        """
+        axes = STEP * np.eye(len(shares))
+        moves = axes if self.moves is None else self.moves
+        ahead, back = _room(shares, moves), _room(shares, -moves)
+        if (ahead + back < 0.5).any():  # in a corner of the ranges only axes lead inside
+            moves, ahead, back = axes, _room(shares, axes), _room(shares, -axes)
+        ends = [*(shares + ahead[:, None] * moves), *(shares - back[:, None] * moves)]
+        far, near = np.split(np.array(self.residuals(ends)), 2)
+        changes = (far - near) / (ahead + back)[:, None]
+        slopes: Matrix = np.linalg.solve(moves, changes).T
+        _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
+        steps = 1 / np.maximum(sizes, 1 / (5 * STEP))
+        self.moves = steps[:, None] * directions
+        return slopes
 
     def _deviations(self, curves: Mapping[str, Backbone], degree: int = 1) -> Vector:
         parts = []
@@ -216,6 +230,14 @@ class _Comparison:
                     there = _at(test.amplitude[inside], curve.amplitude, np.log(computed), degree)
                     parts.append((there - np.log(truth[inside])) / scatter)
         return np.concatenate(parts)
+
+
+def _room(shares: Vector, moves: Matrix) -> Vector:
+    """Return how far moves (n_move, n) may go within the ranges, at most one (n_move,)."""
+    ends = np.where(moves > 0, 1.0 - shares, shares)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        room = np.where(moves != 0, ends / np.abs(moves), np.inf)
+    return np.asarray(np.minimum(room.min(axis=1), 1.0))
 
 
 def _at(amplitude: Vector, reached: Vector, values: Vector, degree: int) -> Vector:

@@ -60,8 +60,7 @@ def fit_study(
     with _curve_folder(out) as folder, books.stage("trials") as advance:
 
         def compute(trials: Sequence[Mapping[str, float]]) -> list[dict[str, Backbone]]:
-            computed = _curves(study, trials, folder, executor)
-            advance(len(trials))
+            computed = _curves(study, trials, folder, executor, advance)
             return [
                 {test.name: curves[test.case, test.mode] for test in measured}
                 for curves in computed
@@ -146,7 +145,7 @@ def _curves(
     trials: Sequence[Mapping[str, float]],
     folder: Path,
     executor: Executor | None,
-    advance: Callable[[int], object] | None = None,
+    advance: Callable[[int], object],
 ) -> list[Curves]:
     """Return the backbones of trials, computed or read from the folder."""
     prepare = partial(prepare_curves, study.source.text, study.source.path)
@@ -159,7 +158,7 @@ def _curves(
         tasks,
         executor,
         keep=folder,
-        progress=None if advance is None else lambda _: advance(1),
+        progress=lambda _: advance(1),
     )
     return [unpacked_curves(arrays) for arrays in computed.values()]
 
