@@ -205,10 +205,10 @@ class _Comparison:
         ends = [*(shares + ahead[:, None] * moves), *(shares - back[:, None] * moves)]
         far, near = np.split(np.array(self.residuals(ends)), 2)
         changes = (far - near) / (ahead + back)[:, None]
-        slopes: Matrix = np.linalg.solve(moves, changes).T
+        slopes: Matrix = np.asarray(np.linalg.solve(moves, changes).T, dtype=float)
         _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
         steps = 1 / np.maximum(sizes, 1 / (5 * STEP))
-        self.moves = steps[:, None] * directions
+        self.moves = np.asarray(steps[:, None] * directions, dtype=float)
         return slopes
 
     def _deviations(self, curves: Mapping[str, Backbone], degree: int = 1) -> Vector:
