@@ -8,7 +8,6 @@ then batches of doubling size, until none in a batch opens or slides earlier.
 from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -91,18 +90,24 @@ class Deciding:
         # One case often opens several areas first.
         reached = defaultdict[int, dict[float, Increment]](dict)
         for (name, points), column in zip(self.areas.items(), estimates.T, strict=True):
-            search = partial(opening_factors, areas={name: points}, open_below=self.open_below)
-            margins = partial(opening_margins, areas={name: points}, open_below=self.open_below)
+            areas = {name: points}
 
-            def exact(row: int, search: Callable[..., Openings] = search) -> float:
-                opened = search(joint, loads.inputs[row], reached=reached[row]).opened
+            def exact(row: int, areas: Mapping[str, Mask] = areas) -> float:
+                opened = opening_factors(
+                    joint,
+                    loads.inputs[row],
+                    areas,
+                    open_below=self.open_below,
+                    reached=reached[row],
+                ).opened
                 found.setdefault(loads.names[row], {}).update(opened)
                 return min(opened.values(), default=np.inf)
 
-            def sooner(
-                rows: Indices, at: float, margins: Callable[..., Vector] = margins
-            ) -> Indices:
-                left = margins(joint, loads.inputs[rows], factor=min(at, LARGEST_FACTOR))
+            def sooner(rows: Indices, at: float, areas: Mapping[str, Mask] = areas) -> Indices:
+                factor = min(at, LARGEST_FACTOR)
+                left = opening_margins(
+                    joint, loads.inputs[rows], areas, factor, open_below=self.open_below
+                )
                 first = np.argsort(left, kind="stable")
                 return rows[first[left[first] < 0]]
 
