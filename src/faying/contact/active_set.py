@@ -79,7 +79,7 @@ class Balance:
             about=none,
         )
 
-    def solved(
+    def solve(
         self, close: Callable[[Matrix], Matrix], points: Indices, gaps: Vector, missed: Vector
     ) -> tuple[Vector, Vector]:
         """Return forces (n,) that close gaps of points and meet the balance, and N₀ (n_spring,)."""
@@ -187,7 +187,7 @@ def _exchange(
     while attempts >= 0:
         points, forces = np.flatnonzero(active), np.zeros_like(g_free)
         close = space.closing(points, np.full(len(points), delta))
-        forces[points], initial = balance.solved(close, points, g_free[points], balance.elongations)
+        forces[points], initial = balance.solve(close, points, g_free[points], balance.elongations)
         pulled = g_free - balance.closing @ initial
         slack = space.product(forces) + pulled
         slack[points] = 0.0
@@ -248,7 +248,7 @@ def _through_interior(
         mean, aim = forces @ slack / len(forces), np.zeros_like(forces)
         for share in (1.0, INSIDE):
             gaps = wrong + slack - aim / forces
-            pressed, pulled = balance.solved(close, every, gaps, missed)
+            pressed, pulled = balance.solve(close, every, gaps, missed)
             parted = (aim - slack * (forces + pressed)) / forces
             outward = np.minimum(pressed / forces, parted / slack).min()
             length = min(1.0, share / max(-outward, np.finfo(float).tiny))

@@ -168,7 +168,7 @@ class Stage:
     def _across(self) -> Across:
         return self.level.held.across(self.springs)
 
-    def solved(
+    def solve(
         self,
         slack: Matrix,
         elongations: Vector,
@@ -265,7 +265,7 @@ class LoosenedAugmented:
         level, anew, steps, left, residual = USUAL, start is None, 0, np.inf, np.inf
         for _ in range(MOST_TRIALS):
             try:
-                following, initial_forces = self._stages[level].solved(
+                following, initial_forces = self._stages[level].solve(
                     slack, elongations, forces, initial, begun, anew=anew
                 )
             except ConvergenceError:

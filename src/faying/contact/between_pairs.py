@@ -102,7 +102,7 @@ class _Shared:
     held: Vector | None
     pairs: GluedPairs
 
-    def are_of(self, G: SparseMatrix, springs: Matrix, held: Vector | None) -> bool:
+    def is_formed_from(self, G: SparseMatrix, springs: Matrix, held: Vector | None) -> bool:
         """Return whether these pairs were formed from the same rows, springs and pressed points."""
         mine = self.G.shape, self.G.indptr, self.G.indices, self.G.data, self.springs, self.held
         theirs = G.shape, G.indptr, G.indices, G.data, springs, held
@@ -135,7 +135,7 @@ class Stiffness:
         held, latest = None if pressed is None else pressed(), self._latest
         with latest.turn:
             shared = latest.formed
-            if shared is None or not shared.are_of(G, springs, held):
+            if shared is None or not shared.is_formed_from(G, springs, held):
                 shared = latest.formed = None  # before new ones take as much memory
                 # Without a reference to self: a cycle would hold memory until garbage collection.
                 apart = Stiffness(self.stiffness)

@@ -225,12 +225,12 @@ class GluedPairs:
                 updated = factors.updated(K, changed.rows, self.points)
                 if updated is not None:
                     system = changed.system(updated.system.rows, self.room, factors.system)
-                    answer = changed.solved(replace(updated, system=system), enough)
+                    answer = changed.solve(replace(updated, system=system), enough)
                     if answer is not None:
                         return answer
             system = changed.system(changed.rows, self.room)
             try:
-                answer = changed.solved(Factors.of(changed.reference, K, system, self.room), enough)
+                answer = changed.solve(Factors.of(changed.reference, K, system, self.room), enough)
             except LinAlgError:
                 answer = None
         if answer is not None:
@@ -298,7 +298,7 @@ class _ChangedPairs:
         forces[rows] -= taken
         return self.reference.moved_by(forces)
 
-    def solved(self, factors: Factors, enough: float) -> tuple[Vector, Factors] | None:
+    def solve(self, factors: Factors, enough: float) -> tuple[Vector, Factors] | None:
         """Return d and the factors, to a residual [force]; None without convergence."""
         system, solve = factors.system, factors.solve
         taken = corrected(system.times, solve, self.shared(system), enough, MOST_CORRECTIONS)

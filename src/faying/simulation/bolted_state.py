@@ -42,7 +42,7 @@ class BoltedState:
         """Return the state after the nuts are set to other initial forces (n_bolt,)."""
         return self._equilibrium(nuts, np.empty(0, dtype=np.int64), np.empty(0))
 
-    def brought(self, bolts: Indices, forces: Vector) -> "BoltedState":
+    def tightened_to(self, bolts: Indices, forces: Vector) -> "BoltedState":
         """Return the state after bolts (n,) are tightened together to forces (n,)."""
         return self._equilibrium(self.nuts, bolts, forces)
 

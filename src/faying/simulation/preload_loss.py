@@ -63,7 +63,7 @@ def loses(
     remaining = 1.0 - np.array([loss.relaxation for loss in every])
     relaxing = np.flatnonzero((remaining < 1.0) & (state.forces > 0.0))
     if len(relaxing):
-        state = state.brought(relaxing, remaining[relaxing] * state.forces[relaxing])
+        state = state.tightened_to(relaxing, remaining[relaxing] * state.forces[relaxing])
         yield "relaxed", state
     shorter = np.array([sum(loss.embedding) for loss in every])
     if shorter.any():

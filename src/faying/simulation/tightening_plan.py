@@ -132,15 +132,15 @@ def tightening_plan(
         refuse_model("a plan takes one bolt to tighten, one pass and one increment at least")
     chosen = np.array([names.index(name) for name in forces], dtype=np.int64)
     targets = np.array(list(forces.values()))
-    walk = _Walk(system=system, bolts=chosen, increments=increments)
-    single = walk.solved(targets)
-    one_pass = walk.followed(single, np.ones(1))
+    sequence = _TurnSequence(system=system, bolts=chosen, increments=increments)
+    single = sequence.initial_forces_for(targets)
+    one_pass = sequence.bolt_forces_along(single, np.ones(1))
     highest = float((one_pass[np.arange(len(chosen)), chosen] / targets).max())
     shortfall = max(1.0 - 1.0 / highest, 0.0)
     shares = np.array(
         [(1.0 - shortfall**n) / (1.0 - shortfall**passes) for n in range(1, passes + 1)]
     )
-    initial, reached = walk.meeting(targets, single, shares)
+    initial, reached = sequence.meet(targets, single, shares)
     return TighteningPlan(
         targets=dict(forces),
         bolts=tuple(names),
@@ -148,13 +148,13 @@ def tightening_plan(
         passes=np.repeat(np.arange(1, passes + 1), len(chosen)),
         settings=reached[np.arange(len(reached)), np.tile(chosen, passes)],
         bolt_forces=reached,
-        unplanned=walk.brought(targets),
+        unplanned=sequence.unplanned_forces(targets),
         initial_forces=dict(zip(names, initial.tolist(), strict=True)),
     )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _Walk:
+class _TurnSequence:
     """Sequences of turns of bolts, from the locked joint.
 
     Attributes
@@ -167,31 +167,31 @@ class _Walk:
     bolts: Indices
     increments: int
 
-    def solved(self, targets: Vector) -> Vector:
+    def initial_forces_for(self, targets: Vector) -> Vector:
         """Return initial forces (n_bolt,) of the targets together, without friction."""
         problem = BoltsByForce(joint=smooth_joint(self.system), bolts=self.bolts)
         return problem.solve(targets, initial_bolt_forces(self.system), 0.0, None)[1]
 
-    def meeting(self, targets: Vector, initial: Vector, shares: Vector) -> tuple[Vector, Matrix]:
+    def meet(self, targets: Vector, initial: Vector, shares: Vector) -> tuple[Vector, Matrix]:
         """Return initial forces whose sequence meets the targets, and the bolt forces on the way.
 
         With friction by a quasi-Newton method that starts with the slope without friction.
         """
-        reached, slope = self.followed(initial, shares), None
+        reached, slope = self.bolt_forces_along(initial, shares), None
         for _ in range(MOST_TRIALS):
             miss = targets - reached[-1, self.bolts]
             if (np.abs(miss) <= SHOWN_DIGITS * targets).all():
                 return initial, reached
             if slope is None:
                 columns = [
-                    (self.solved(targets + nudge) - initial)[self.bolts] / nudge.sum()
+                    (self.initial_forces_for(targets + nudge) - initial)[self.bolts] / nudge.sum()
                     for nudge in np.diag(SHOWN_DIGITS * targets)
                 ]
                 slope = np.column_stack(columns)
             change = slope @ miss
             initial = initial.copy()
             initial[self.bolts] += change
-            previous, reached = reached[-1, self.bolts], self.followed(initial, shares)
+            previous, reached = reached[-1, self.bolts], self.bolt_forces_along(initial, shares)
             moved = reached[-1, self.bolts] - previous
             # Broyden's update of the inverse (Math. Comp. 19 (1965) 577).
             along = change @ slope
@@ -204,7 +204,7 @@ class _Walk:
         )
         raise ConvergenceError(message)
 
-    def followed(self, initial: Vector, shares: Vector) -> Matrix:
+    def bolt_forces_along(self, initial: Vector, shares: Vector) -> Matrix:
         """Return bolt forces (n_turn, n_bolt) after each turn to a share of the initial forces."""
         state, rows = self._start, []
         start = state.nuts
@@ -218,12 +218,12 @@ class _Walk:
                 rows.append(state.forces)
         return np.array(rows)
 
-    def brought(self, targets: Vector) -> Matrix:
+    def unplanned_forces(self, targets: Vector) -> Matrix:
         """Return bolt forces (n_target, n_bolt) after each bolt is tightened to its target once."""
         state, rows = self._start, []
         for bolt, target in zip(self.bolts.tolist(), targets.tolist(), strict=True):
             for part in self._parts:
-                state = state.brought(np.array([bolt]), np.array([part * target]))
+                state = state.tightened_to(np.array([bolt]), np.array([part * target]))
             rows.append(state.forces)
         return np.array(rows)
 
