@@ -128,8 +128,9 @@ class JointJudge:
         with self.attempt("slip by sums"):
             demands = self._demands()
         paths = {**self._paths(self.followed), **self.openings}
-        # Cases without history are judged by the factors at which they open.
-        unfollowed = {n: state for n, state in self.cases.items() if n not in self.memoryless}
+        # Cases without history are judged by the factors at which they open, where these are found.
+        judged_by_factors = self.memoryless.keys() - (set(self.followed) - paths.keys())
+        unfollowed = {n: state for n, state in self.cases.items() if n not in judged_by_factors}
         judged_cases = self._assess(paths, demands, unfollowed)
         spreads, scatter, threads = list[Spread](), self.scatter, self.strengths.threads
         if scatter is not None:

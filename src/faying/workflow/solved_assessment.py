@@ -129,6 +129,8 @@ def solved_checks(
         strengths=options.strengths,
         attempt=solver.books.attempt,
         loads=_loads(loads, [*rows, *map(loads.names.index, openings)]),
+        # One by one, where the search for the first that opens has failed.
+        followed=() if openings else [loads.names[row] for row in rows],
         summed=summed,
         reserves=reserves,
         openings=openings,

@@ -1,16 +1,20 @@
 """The verdict on a joint: a row for each bolt and interface, a sentence, and what is not known."""
 
+from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
 import faying as fy
+from faying.assessment import joint_judge
 from faying.assessment.check import Check
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_verdict import joint_verdict, share_used, verdict_rows
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.thread import Thread
+from faying.exceptions import ConvergenceError
 from faying.units import units_of
 
 UNITS = units_of("mm-t-s")
@@ -128,6 +132,20 @@ def test_a_case_that_slides_late_hides_none_that_was_not_followed(joint, other, 
     checks = joint_checks(found, UNITS, paths)
     (sliding,) = (one for one in checks if one.quantity == "sliding")
     assert sliding.outcome == outcome
+
+
+def test_a_case_whose_opening_cannot_be_followed_is_judged_by_its_open_area(joint, monkeypatch):
+    """It was judged by nothing, and a joint of which most opened held."""
+
+    def fail(*_, **__):
+        raise ConvergenceError("no equilibrium on the way")
+
+    lenient = partial(joint_judge.JointJudge, attempt=lambda _: suppress(ConvergenceError))
+    monkeypatch.setattr(joint_judge, "opening_factors", fail)
+    monkeypatch.setattr(joint_judge, "JointJudge", lenient)
+    _, checks = judged(joint)
+    assert ("joint", "opening") not in checks
+    assert checks["joint", "open area"].value > 0
 
 
 @pytest.mark.parametrize(("limit", "outcome"), [(1.2, "met"), (2.0, "not met")])

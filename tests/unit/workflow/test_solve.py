@@ -29,6 +29,7 @@ from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.keys.schema import read_load_cases, read_study
 from faying.study.results.store import read_results
 from faying.workflow import deciding_cases, solve_cases
+from faying.workflow.deciding_cases import Deciding
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
 from faying.workflow.solve import solve_loads
@@ -193,6 +194,23 @@ def test_interrupted_call_goes_on_where_it_was(rom, tmp_path, monkeypatch):
     (tmp_path / "part" / "unfinished" / "study.sha256").write_text("of something else")
     with pytest.raises(StudyError, match="--resume"):
         solve_loads(rom, others, tmp_path / "part", resume=True)
+
+
+def test_opening_is_judged_where_the_search_for_the_first_that_opens_fails(
+    rom, tmp_path, monkeypatch
+):
+    """A warning was all that was left of it, and the verdict spoke of the rest."""
+    loads = read_loads(random_loads(tmp_path / "many.csv", 9), rom)
+
+    def fail(*_):
+        raise ConvergenceError("no equilibrium on the way")
+
+    monkeypatch.setattr(Deciding, "openings", fail)
+    summary = solve_loads(rom, loads, tmp_path / "out")
+    assert any("no equilibrium on the way" in text for text in summary["warnings"])
+    for part in summary["verdict"]["parts"]:
+        if part["kind"] == "interface":
+            assert any(check["quantity"] == "opening" for check in part["checks"])
 
 
 def test_case_that_does_not_converge_is_named_and_costs_no_other(rom, tmp_path, monkeypatch):
