@@ -65,7 +65,7 @@ def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Itera
 
 
 def _missing(study: Study, preview: ModelPreview) -> Iterator[Table]:
-    """Yield tables of what a run still needs, and of study lines to add."""
+    """Yield tables of missing parts for a run, and of study lines to add."""
     if preview.needs:
         columns = ["missing for a run"]
         yield text_table("Not ready to run", columns, ([need] for need in preview.needs))
@@ -182,7 +182,7 @@ def _supports(assembly: Assembly) -> dict[str, list[int]]:
     ids: dict[str, list[int]] = {}
     for support in assembly.supports:
         names = " ".join(DISPLACEMENT_NAMES[component] for component in support.components)
-        axes = "" if support.axes is None else ", in axes of their own"
+        axes = "" if support.axes is None else ", in local axes"
         ids.setdefault(f"supports of {names}{axes}", []).append(len(support.nodes))
     return ids
 

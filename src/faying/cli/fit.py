@@ -70,7 +70,7 @@ def band(
 def _continued(
     name: str, study: Path, folder: Path, workers: int, scheduler: str | None
 ) -> "Iterator[tuple[Study, ProgressBar, Executor | None]]":
-    """Yield what a command works with; stopped, it says that the same command continues it."""
+    """Yield study, progress bar and executor; if stopped, say that the same command continues."""
     command = ["faying", name, str(study), "--out", str(folder)]
     with resumable(command, folder, option=()), study_work(study, workers, scheduler) as work:
         yield work

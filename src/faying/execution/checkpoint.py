@@ -115,12 +115,12 @@ FINISHED = (
 
 
 def stamp_of(mark: str) -> str:
-    """Return what tells results of this version with a mark from all others."""
+    """Return a hash of this version and a mark, which identifies results."""
     return hashlib.sha256(f"{__version__}\n{mark}".encode()).hexdigest()
 
 
 def finished_before(out: Path, mark: str) -> Mapping[str, Any] | None:
-    """Return what ``summary.json`` says, with a remark, where results of a mark are finished."""
+    """Return ``summary.json`` with a remark if the results of a mark are finished, else None."""
     try:
         summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     except (OSError, ValueError):

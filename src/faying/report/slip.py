@@ -223,9 +223,9 @@ def _where(results: Results, case: CaseResult) -> str | None:
 
 
 def peak_table(results: Results) -> Table:
-    """Return where each level is largest, what contact does there, and what the backbone expects.
+    """Return the peak of each level, contact at the peak, and the prediction by the backbone.
 
-    Levels that are largest at an end of the frequencies are told so: they have no peak.
+    A level with its largest value at an end of the frequencies is marked: it has no peak.
     """
     peaks = {
         f"{name}, level {level.peak.level:g}{_beyond(level.peak)}": (record.at, level)
@@ -258,7 +258,7 @@ def peak_table(results: Results) -> Table:
 
 
 def _beyond(peak: Peak) -> str:
-    """Say that a curve has no peak between its frequencies; nothing where it has."""
+    """Return the mark of a curve without a peak between its frequencies, else an empty text."""
     return ", no peak between its frequencies" if peak.at_end else ""
 
 

@@ -131,7 +131,7 @@ def test_half_of_the_mass_is_at_either_end(read: Read) -> None:
         ("CBEND,4,9,1,2,3,,,3", "FSI = 2, a pipe"),
         ("CBEND,4,10,1,2,3,,,3", "field 7 (J) is 0"),
         ("CBEND,4,11,1,2,3,,,3", "an offset '.1'"),
-        ("CBEND,4,12,1,2,3,,,3", "is no curved bar's"),
+        ("CBEND,4,12,1,2,3,,,3", "impossible for a curved bar"),
         ("CBEND,4,5,1,2,3,,,3\nPBEND,5,9,1.,1.,1.,1.,3.", "property 5 is already defined"),
     ],
 )

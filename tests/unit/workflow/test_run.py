@@ -375,7 +375,7 @@ def test_resuming_with_another_deck_is_refused(tmp_path):
     joints = [lap_joint(element_size=size, hole_radius=0.0) for size in (10.0, 5.0)]
     check_same_joint(checkpoint, joints[0])
     check_same_joint(open_checkpoint(folder, "", resume=True), joints[0])
-    with pytest.raises(StudyError, match="was of another joint: a deck, mesh or matrix"):
+    with pytest.raises(StudyError, match="computed another joint: a deck, mesh or matrix"):
         check_same_joint(checkpoint, joints[1])
 
 

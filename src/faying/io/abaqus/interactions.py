@@ -130,7 +130,7 @@ def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Nor
     for column in range(1, len(fields)):
         # CalculiX: tension at large clearance and its range, for node-to-surface contact only.
         optional_real(keyword, 0, fields, column, 0.0, "a number")
-        ignored.append("tension and range behind the slope of *SURFACE BEHAVIOR")
+        ignored.append("tension and range after the slope of *SURFACE BEHAVIOR")
     return slope
 
 

@@ -22,7 +22,7 @@ _HARMLESS: Mapping[str, tuple[str, ...]] = {
     "load cases of a substructure: the loads of all of them act in the load of the step": (
         "SUBSTRUCTURE LOAD CASE",
     ),
-    "CalculiX solves again on a mesh of its own there; here the mesh is the deck's, and results "
+    "CalculiX solves again on a refined mesh; faying keeps the mesh of the deck, and results "
     "differ by the effect of the refinement": ("REFINE MESH",),
     "solution control: faying has its own tolerances": (
         "HCF",

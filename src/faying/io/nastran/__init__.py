@@ -1,7 +1,7 @@
 """Nastran bulk data: :func:`read_joint`, :func:`read_deck`, :func:`write_deck`.
 
-What a reader cannot represent it refuses with :class:`~faying.exceptions.FormatError`: file, line,
-card and field, what stands there, what is expected and what to do.
+Readers refuse unsupported input with :class:`~faying.exceptions.FormatError`, which gives file,
+line, card, field and content, the expected content and a remedy.
 """
 
 from faying.io.nastran.joint import read_deck, read_joint

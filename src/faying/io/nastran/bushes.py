@@ -229,7 +229,7 @@ def _arc(card: Card, section: Card, grids: Grids) -> _Arc:
 def _half_angle(
     card: Card, section: Card, along: float, width: float, length: float
 ) -> tuple[float, float]:
-    """Half the angle of the arc, and on which side of the chord it lies: that of O is 1."""
+    """Return half the angle of the arc, and its side of the chord: 1 if it is that of O."""
     geometry, radius, angle = card.integer(7), section.real(6, 0.0), section.real(7, 0.0)
     if geometry == 1 and not (radius or angle):
         if abs(along) > SOLVED:
@@ -298,7 +298,7 @@ def _bushes(card: Card, bend: Card, bulk: BulkData) -> list[Bush]:
 
     if not min(*plane, *across) > 0:
         card.refuse(
-            f"the neutral axis at DELTAN = {neutral:g} of radius {radius:g} is no curved bar's"
+            f"DELTAN = {neutral:g} is impossible for a curved bar of radius {radius:g}; correct it"
         )
     ends = bulk.grids.one(card, 2), bulk.grids.one(card, 3)
     axes = np.array([arc.chord, arc.outward, np.cross(arc.chord, arc.outward)])

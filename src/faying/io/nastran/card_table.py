@@ -1,7 +1,7 @@
-"""What is read of cards: their fields, and what numbers must be; what becomes of other cards.
+"""Fields of supported cards with bounds of their numbers; treatment of other cards.
 
 ``>0`` marks a number that must be positive, ``>=0`` one that must not be negative; ``.`` is a field
-that is not read. Behind the last name a card goes on with lists or rows that its reader knows.
+that is not read. After the last name a card may have lists or rows that its reader handles.
 """
 
 from collections.abc import Mapping

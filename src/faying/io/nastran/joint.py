@@ -107,7 +107,7 @@ def _described(deck: Deck) -> JointDescription:
     interfaces = [spec_of(pair, assembly, notes) for pair in pairs]
     if everything is not None:
         interfaces.append(InterfaceSpec(name="contact", friction=everything))
-        notes["contact of all bodies across gaps: name the pairs (BCTABL1, BCONECT) for it"] = None
+        notes["contact of all bodies across gaps: name these pairs (BCTABL1, BCONECT)"] = None
     if "friction" in deck.ignore and any(spec.friction for spec in interfaces):
         interfaces = [replace(spec, friction=0.0) for spec in interfaces]
         notes[f"coefficients of friction: {IGNORABLE['friction']} (ignore = friction)"] = None

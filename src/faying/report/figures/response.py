@@ -177,13 +177,13 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
     loads.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     if rubbing:
         taken = _plot_friction(path, path.pressure, steps, panels, results.unit_set, marker=".")
-        told = (
+        contents = (
             "largest pressure and traction, shares of the area that slip in an increment and "
             f"stick, and the energy dissipated by friction, {taken} at the end."
         )
     else:
         _plot_forces(path, steps, panels, results.unit_set)
-        told = "largest pressure and forces of bolts."
+        contents = "largest pressure and forces of bolts."
     panels[-1].set_xlabel("increment")
     panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     for row in np.flatnonzero(path.macroslip):
@@ -199,7 +199,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
         title=f"{case.name}: increments",
         caption=(
             f"The full model over the {len(steps)} increments of {case.name}, which starts at the "
-            f"preloaded joint: load factors, {told}{slipped}"
+            f"preloaded joint: load factors, {contents}{slipped}"
         ),
     )
 

@@ -122,7 +122,7 @@ def read_loads(
 
 
 def _not_solved(case: LoadCaseSection) -> Iterator[str]:
-    """Yield why a load case needs a run of a study, and what to do instead."""
+    """Yield the reasons why only a run of a study solves a load case, with remedies."""
     if not (case.kind == "static" or case.transient):
         yield (
             f"is a {case.kind}, which only a run of a study solves; leave it out, or solve it in "

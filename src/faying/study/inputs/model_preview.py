@@ -1,4 +1,4 @@
-"""Preview of a study that is not ready to run: its model, and what a run still needs."""
+"""Preview of a study that is not ready to run: its model, and the missing parts for a run."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -33,7 +33,7 @@ class ModelPreview:
     free
         Rigid-body motions of the model without contact.
     needs
-        Phrases that name what a run still needs.
+        Phrases that name the missing parts for a run.
     """
 
     model: Model

@@ -9,7 +9,7 @@ from faying.study.keys.tables import Study
 
 
 def study_mark(study: Study) -> str:
-    """Return what tells a study, with the files that it names, from others."""
+    """Return a hash of a study and of the files that it names."""
     digest = blake2b(study.text.encode(), digest_size=16)
     for text in _texts(tomllib.loads(study.text)):
         path = study.path.parent / text

@@ -54,7 +54,7 @@ def unheld(model: Model) -> list[str]:
 
 
 def overlapping(model: Model) -> list[str]:
-    """Say of which interfaces the surfaces overlap before any load, as a scan with a tilt may."""
+    """Return warnings of surfaces that overlap before any load, as with a tilted scan."""
     unit, said = units_of(model.units).length, []
     for name, interface in model.interfaces.items():
         gap, size = interface.initial_gap, float(np.ptp(interface.points, axis=0).max(initial=0.0))

@@ -1,4 +1,4 @@
-"""Remarks on a run beside its verdict: peaks, errors, and choices with their reasons."""
+"""Remarks on a run in addition to its verdict: peaks, errors, and choices with their reasons."""
 
 from collections.abc import Iterator
 
@@ -85,7 +85,7 @@ def vibrations(results: Results) -> list[str]:
 
 
 def _modes(results: Results) -> Iterator[str]:
-    """Say what frequency and damping of each backbone are at its ends and where most is damped."""
+    """Yield frequency and damping of each backbone at its ends and at its largest damping."""
     rate = results.unit_set.frequency
     for name, case in results.cases.items():
         for mode, curve in case.reference.backbones.items():

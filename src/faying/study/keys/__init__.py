@@ -1,1 +1,1 @@
-"""The study file: its tables, what they must be alone and together, and reading it."""
+"""The study file: its tables, their checks, and its reader."""

@@ -66,7 +66,7 @@ def remedy_sentence(case: str, remedy: Remedy, shapes: float = 0.0) -> str:
     if second.estimate is not None:
         judged = f"is estimated at {second.estimate:.2%}"
         if second.estimate > remedy.tolerance:
-            judged += ", still more than that" if remedy.helped else ", which is no better"
+            judged += ", still above it" if remedy.helped else ", which is no better"
     once = f", and {shapes:.2g} s once for the shapes of the interface" if shapes else ""
     mark = f"{100 * remedy.tolerance:.3g}%"
     return (

@@ -24,7 +24,7 @@ class LoadSpaceResult:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadSpaceRecord:
-    """Errors of methods at loads beside the training loads.
+    """Errors of methods at random loads that were not used for training.
 
     Attributes
     ----------

@@ -94,7 +94,7 @@ class PreparedJoint:
 
 
 def assembled(study: Study) -> tuple[LoadedModel, Model]:
-    """Return what a study's source has, and the model of it, not tightened.
+    """Return the loaded source of a study, and its model before tightening.
 
     Raises
     ------
@@ -308,7 +308,7 @@ def reduced_models(
 
 
 def joint_mark(model: Model) -> str:
-    """Return what tells a joint from others."""
+    """Return a hash of the matrices, contact and bolts of a joint."""
     contact, digest = model.contact, blake2b(digest_size=16)
     arrays = [model.K.data, model.K.indices, model.M.data, contact.interpolation.data]
     arrays += [contact.weights, contact.initial_gap, model.pattern_forces]
@@ -319,11 +319,11 @@ def joint_mark(model: Model) -> str:
 
 
 def check_same_joint(checkpoint: Bundles, model: Model) -> None:
-    """Refuse to go on with what was computed of another joint: a deck may have changed since."""
+    """Refuse to resume with results of another joint: a deck may have changed since."""
     mark = np.array(joint_mark(model))
     if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
         refuse_study(
-            "the interrupted run was of another joint: a deck, mesh or matrix of the "
+            "the interrupted run computed another joint: a deck, mesh or matrix of the "
             "study has changed since; run without --resume to start afresh"
         )
 
@@ -331,7 +331,7 @@ def check_same_joint(checkpoint: Bundles, model: Model) -> None:
 def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None:
     """Give a structure its stored compliance or stiffness between pairs, or compute and store it.
 
-    Nothing is stored where the pairs are too many for a matrix.
+    Without effect if there are too many pairs for a matrix.
     """
     if not structure.is_kept_whole:
         return

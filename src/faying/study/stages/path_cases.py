@@ -321,8 +321,8 @@ class _Increments:
 def follow_path(run: IncrementalCase, loads: Sequence[Load]) -> tuple[Solution, float]:
     """Solve a sequence of loads; return the path, and the seconds of its computation.
 
-    The numbers are those of :func:`faying.solve_path`: an increment needs of those before it only
-    the last state, which is stored with them.
+    The results equal those of :func:`faying.solve_path`: an increment needs only the last state of
+    the previous increments, which is stored with them.
     """
     start, system, name = time.perf_counter(), run.system, run.case.name
     if system.contact.forgets:
