@@ -140,6 +140,7 @@ def test_amplitudes_that_are_not_reached_are_left_out_and_said():
     )
     assert found.values["a"] == pytest.approx(1.1, rel=1e-3)
     assert "1 of 8 amplitudes of 'test' are not used" in found.remarks[0]
+    assert found.remarks[0].endswith("begin below the first and end beyond the last")
 
 
 @pytest.mark.parametrize(
