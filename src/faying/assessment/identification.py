@@ -314,8 +314,8 @@ def _identification(
         if out:
             remarks.append(
                 f"{out} of {len(test.amplitude)} amplitudes of '{test.name}' are not used, for "
-                "backbones do not reach them at the start: let amplitudes of the load case begin below "
-                "the first and end beyond the last"
+                "backbones do not reach them at the start: let amplitudes of the load case begin "
+                "below the first and end beyond the last"
             )
     return Identification(
         parameters=parameters,
