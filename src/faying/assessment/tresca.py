@@ -130,8 +130,10 @@ def tresca_gap(
     friction (n_rubbing,). Admissible candidates x̂ [force] and their z [length] are (n_increment,
     3, n_point), friction bounds b (n_increment, n_rubbing) [force].
 
-    Notes ----- y as in (C20): zero where a point is closed or sticks, else the part of z that opens
-    it, or slides it against its force, so that the first two sums of (C19) vanish.
+    Notes
+    -----
+    y as in (C20): zero where a point is closed or sticks, else the part of z that opens it, or
+    slides it against its force, so that the first two sums of (C19) vanish.
     """
     if not flexibility.unique:
         return np.full(len(forces), np.inf)

@@ -62,10 +62,12 @@ def solve_path(
     ConvergenceError
         If an increment is not solved even when it is divided; the message names it.
 
-    Notes ----- Increments are implicit (backward Euler in the slip). An increment that does not
-    converge is halved, up to 64 parts, unless it starts at rest without gaps, where the half is the
-    same problem. Slip depends on path and increments: one large increment and several small ones
-    give different slips. The energy dissipated by slip tends to that of the loop of load and
+    Notes
+    -----
+    Increments are implicit (backward Euler in the slip). An increment that does not converge is
+    halved, up to 64 parts, unless it starts at rest without gaps, where the half is the same
+    problem. Slip depends on path and increments: one large increment and several small ones give
+    different slips. The energy dissipated by slip tends to that of the loop of load and
     displacement as increments shrink. Each increment costs some Newton steps between pairs, of 2
     n³/3 for n relative displacements in contact, and a back-substitution. Without friction there is
     no history, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
