@@ -87,6 +87,18 @@ def test_a_mode_whose_second_harmonic_meets_another(joint):
 
 
 @pytest.mark.slow
+def test_harmonics_past_those_named_follow_modes_through_resonance(joint):
+    """1.8° off where all shapes had twelve and no more."""
+    longer, amplitude, phase = 1 + 0.9e-5, 8.783129e-03, -87.241
+    (curve,) = fy.frequency_response(
+        joint, {"tip.Fz": 1.0}, [3850.0 * longer], [6.0], harmonics=12
+    ).curves
+    (moved,) = curve.response("tip.uz")
+    assert abs(moved) == pytest.approx(amplitude, rel=5e-3)
+    assert np.degrees(np.angle(moved)) == pytest.approx(phase, abs=1.5)
+
+
+@pytest.mark.slow
 def test_too_few_harmonics_where_a_multiple_meets_a_mode_are_said(joint):
     found = fy.frequency_response(joint, {"tip.Fz": 1.0}, [3850.0], [6.0], harmonics=1)
     assert "3 harmonics more than 1 change the motion at 3850 by" in found.curves[0].remarks[0]

@@ -215,13 +215,22 @@ class ForcedJoint:
     def _begun(
         self, level: float, order: int, samples: int | None
     ) -> tuple["Released", CurvePoint | None]:
-        """Return the first motion, or that the joint may slide if that of the stuck one fails."""
-        problem = self._problem(level, order, samples, Released())
+        """Return the first motion, or that the joint may slide if that of the stuck one fails.
+
+        Few harmonics come first and twice as many after them, from which Newton's method goes on.
+        """
+        count = min(FEWEST, order)
+        problem = self._problem(level, count, samples, Released())
         (start,) = self._starts(problem, Released())
+        driven = 2 * np.pi * float(self.frequencies[0])
         try:
-            return Released(), solve_motion(problem, start, 2 * np.pi * float(self.frequencies[0]))
+            point: CurvePoint | None = solve_motion(problem, start, driven)
         except ConvergenceError:
             return Released(slides=True), None
+        while point is not None and count < order:
+            count = min(2 * count, order)
+            point, _ = self._changed(point, count, samples, Released())
+        return Released(), point
 
     def _starts(self, problem: PeriodicProblem, released: "Released") -> list[Vector]:
         """Return first guesses of the unknowns, the closest first."""
