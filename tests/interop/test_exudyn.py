@@ -362,12 +362,12 @@ def test_deck_loads_and_their_recovery(joint, tmp_path):
     mbs = exu.SystemContainer().AddSystem()
     with pytest.raises(ValueError, match="'7' is a load of the deck; on a body only forces"):
         own.add_load(mbs, own.add_body(mbs), "7", 1.0)
-    with pytest.raises(ValueError, match=r"takes no load '8'; it takes .*tip\.Mz, 7$"):
+    with pytest.raises(ValueError, match=r"has no load '8'; its loads are .*tip\.Mz, 7$"):
         own.add_load(mbs, own.add_joint(mbs), "8", 1.0)
 
 
 def test_unknown_load_is_named(module):
-    with pytest.raises(ValueError, match=r"no load 'tip\.Fq'; it takes tip\.Fx"):
+    with pytest.raises(ValueError, match=r"no load 'tip\.Fq'; its loads are tip\.Fx"):
         module.joint().boundary_forces("tip.Fq")
 
 

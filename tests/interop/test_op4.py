@@ -97,7 +97,7 @@ def test_sizes_need_bytes(tmp_path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[4:12] = (2_000_000_000).to_bytes(4, "little") * 2
     path.write_bytes(content)
-    refuses("claims 2000000000 rows", read_matrix, path, "K")
+    refuses("declares 2000000000 rows", read_matrix, path, "K")
 
 
 @pytest.mark.parametrize(

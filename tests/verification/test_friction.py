@@ -364,7 +364,7 @@ def rom_of(model):
 @pytest.mark.parametrize("to", ["exudyn", "vtk"])
 def test_no_hand_over_forgets_friction(coarse, to, tmp_path):
     wanted = (
-        rf"'joint' has friction, which {to} does not carry; hand over the joint with it "
+        rf"'joint' has friction, which {to} does not support; export the joint with it "
         r"\(mat, fmu, npz\), the linear joint \(nastran\)"
     )
     with pytest.raises(StudyError, match=wanted):

@@ -204,7 +204,8 @@ def joint_flexibility(joint: Joint) -> Flexibility:
 
     Notes
     -----
-    One inverse of n_relative³ multiplications where all points yield; else :func:`flexibility`.
+    One inverse of n_relative³ multiplications where all points yield and the structure deforms
+    whenever pairs move; else :func:`flexibility`.
     """
     contact, problem = joint.contact, joint.static_contact
     if not contact.yields:
@@ -217,10 +218,14 @@ def joint_flexibility(joint: Joint) -> Flexibility:
             f"of {contact.dense_budget:.2g} bytes, and certificates need them; use a coarser "
             "interface, or raise the budget with model.with_dense_budget"
         )
+    try:
+        stiffness = problem.between.stiffness
+    except la.LinAlgError:  # some motion of the pairs deforms nothing
+        return flexibility(problem.flexibility)
     return ElasticFlexibility(
         N=contact.interpolation,
         compliance=problem.between.compliance,
-        stiffness=problem.between.stiffness,
+        stiffness=stiffness,
         yields=contact.flexibility,
     )
 

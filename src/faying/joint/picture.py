@@ -1,7 +1,7 @@
 """Pictures of bodies, bolts and interfaces in three dimensions (as Fig. 15.2)."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -18,8 +18,11 @@ from faying._typing import Indices, Matrix, Vector
 from faying.display.axes import new_axes
 from faying.display.facts import MOST_SHOWN
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, INTERFACE_COLOUR, heading, plain
-from faying.joint.model import Model
+from faying.interface.interface import Interface
+from faying.model.assembly import Assembly
 from faying.model.bodies import body_names
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
 from faying.model.cells import CellBlock
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh
@@ -167,8 +170,36 @@ SUPPORT_COLOUR = "0.25"
 LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0}
 
 
+class Pictured(Protocol):
+    """The parts of a model that pictures show."""
+
+    @property
+    def name(self) -> str:
+        """Name of the model."""
+
+    @property
+    def units(self) -> str:
+        """Label of the consistent unit set."""
+
+    @property
+    def assembly(self) -> Assembly:
+        """Bodies, beams and supports."""
+
+    @property
+    def interfaces(self) -> Mapping[str, Interface]:
+        """Interfaces whose edges are drawn."""
+
+    @property
+    def bolts(self) -> Mapping[str, Bolt]:
+        """Bolts to name in the legend."""
+
+    @property
+    def boundaries(self) -> Mapping[str, Boundary]:
+        """Boundaries for loads."""
+
+
 def plot_model(
-    model: Model, axes: Any = None, *, bolts: Mapping[str, Matrix | None] | None = None
+    model: Pictured, axes: Any = None, *, bolts: Mapping[str, Matrix | None] | None = None
 ) -> Any:
     """Draw a model on 3D axes: bodies, interface edges, bolts, boundaries and supports.
 
@@ -209,7 +240,7 @@ def _rightmost(points: Matrix) -> Vector:
     return np.asarray(points[int((points[:, :2] @ [-np.sin(azimuth), np.cos(azimuth)]).argmax())])
 
 
-def _add_legend(model: Model, axes: Any) -> None:
+def _add_legend(model: Pictured, axes: Any) -> None:
     """Add a legend of colours and marks."""
     names = body_names(model.assembly.mesh)
     shown = names[:MOST_SHOWN]

@@ -178,7 +178,7 @@ def test_command_says_what_it_wrote(call, quick_demo, tmp_path):
     )
     assert status == 0
     for expected in [
-        "Pictures: to look at",
+        "Pictures: fields for viewers; no model is exported",
         "jim-b with 20 joint modes, ",
         "Units: mm, t, s, N, MPa",
         f"Wrote {target / 'structure.vtu'}",

@@ -368,7 +368,7 @@ def test_the_report_says_first_what_slips(results, tmp_path):
     assert rows["pull"]["where"].startswith("joint (")
     assert rows["pull"]["slip begins at [× load]"] == number(reserve.onset, 4)
     assert rows["way"][FIRST] == "—"
-    assert rows["shake"]["energy taken [N·mm]"] == "—"  # damping tells it, of a cycle
+    assert rows["shake"]["dissipated energy [N·mm]"] == "—"  # damping tells it, of a cycle
     assert page.index('id="damping"') < page.index("energy per cycle [N·mm]")
 
 
