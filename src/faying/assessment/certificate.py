@@ -67,8 +67,9 @@ def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosu
     )
     pairs = [flexibility.admissible(slack, wish) for wish in wishes]
     works = np.array([(forces * z).sum(axis=-1) for z, _ in pairs])
-    answers = np.array([flexibility.solve(slack - z) for z, _ in pairs])
-    energies = np.array([flexibility.energy(slack - z) for z, _ in pairs])
+    rests = np.array([slack - z for z, _ in pairs])
+    answers = flexibility.solve(rests)
+    energies = np.maximum((rests * answers).sum(axis=-1), 0.0)
     possible = np.array([exists for _, exists in pairs])
     bounds = np.where(possible, works + 0.5 * energies, np.inf)
     best = np.argmin(bounds, axis=0)[None]

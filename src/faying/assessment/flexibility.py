@@ -9,15 +9,13 @@ from typing import Protocol
 
 import numpy as np
 import scipy.linalg as la
-import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.dense_points import SINGULAR_PIVOT
+from faying.contact.held_pairs import HeldPairs
+from faying.contact.point_springs import PointSprings
 from faying.digits import ROUND_OFF, SOLVED
-from faying.exceptions import refuse_model
 from faying.joint.system import Joint
-from faying.linalg.budget import pairs_fit
-from faying.linalg.cholesky import inverse
 from faying.linalg.pieces import pieces
 
 
@@ -66,27 +64,21 @@ class ElasticFlexibility:
     N : (n_point, n_relative)
     compliance : (n_relative, n_relative) [length/force]
         S.
-    stiffness : (n_relative, n_relative) [force/length]
-        Σ.
+    held : (n_relative, n_relative) [length/force]
+        (Σ + Nᵀ D⁻¹ N)⁻¹.
     yields : (n_point,) [length/force]
         D.
     """
 
     N: SparseMatrix
     compliance: Matrix
-    stiffness: Matrix
+    held: Matrix
     yields: Vector
 
     @property
     def unique(self) -> bool:
         """Whether H is definite: points that yield always make it so."""
         return True
-
-    @cached_property
-    def held(self) -> Matrix:
-        """(Σ + Nᵀ D⁻¹ N)⁻¹ (n_relative, n_relative) [length/force]."""
-        springs = self.N.T @ sp.diags_array(1.0 / self.yields) @ self.N
-        return inverse(np.asarray(self.stiffness + springs.toarray()), overwrite=True)
 
     @cached_property
     def point_norms(self) -> Vector:
@@ -211,22 +203,14 @@ def joint_flexibility(joint: Joint) -> Flexibility:
     if not contact.yields:
         return flexibility(problem.flexibility)
     contact.check_frictionless()
-    n_relative = contact.relative_operator.shape[0]
-    if not pairs_fit(n_relative, contact.dense_budget):
-        refuse_model(
-            f"dense matrices between {n_relative} relative displacements exceed the dense budget "
-            f"of {contact.dense_budget:.2g} bytes, and certificates need them; use a coarser "
-            "interface, or raise the budget with model.with_dense_budget"
-        )
     try:
         stiffness = problem.between.stiffness
     except la.LinAlgError:  # some motion of the pairs deforms nothing
         return flexibility(problem.flexibility)
+    N, yields = contact.interpolation, contact.flexibility
+    held = HeldPairs.on_springs(PointSprings(G=N, components=1), 1.0 / yields[None], stiffness)
     return ElasticFlexibility(
-        N=contact.interpolation,
-        compliance=problem.between.compliance,
-        stiffness=stiffness,
-        yields=contact.flexibility,
+        N=N, compliance=problem.between.compliance, held=held.compliance, yields=yields
     )
 
 

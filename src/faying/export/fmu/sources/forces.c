@@ -98,17 +98,25 @@ static void note_sliding(struct motion *m)
     }
 }
 
-/* One increment to displacements of the pairs without contact forces. */
-static enum outcome slide(struct motion *m, const double *relative)
+/* Forces that m->gap calls up, their slip, and a share of what they take. */
+static enum outcome answer_gap(struct motion *m, double share)
 {
-    free_slack(m, relative);
     const enum contact_status status = solve_contact(&m->contact, m->gap, m->forces);
     if (status != CONTACT_SOLVED)
         return contact_problem(m, &m->contact, status);
     memset(m->change, 0, 2 * m->joint.n_point * sizeof(double));
-    take_slip(m, m->contact.slack, 1.0);
-    note_sliding(m);
+    take_slip(m, m->contact.slack, share);
     return OUTCOME_OK;
+}
+
+/* One increment to displacements of the pairs without contact forces. */
+static enum outcome slide(struct motion *m, const double *relative)
+{
+    free_slack(m, relative);
+    const enum outcome outcome = answer_gap(m, 1.0);
+    if (outcome == OUTCOME_OK)
+        note_sliding(m);
+    return outcome;
 }
 
 /* ---- forces ---- */

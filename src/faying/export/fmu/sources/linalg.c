@@ -43,11 +43,9 @@ static double dot(const double *x, const double *y, size_t n)
 }
 
 /* Replace the upper triangle of A by U. Four rows at a time: each pass over the rest of the matrix
- * then does four times the work. Returns 0, or -1 where a pivot is not positive, or smaller than a
- * fraction of the largest one. */
-WIDE static int cholesky(double *A, size_t n, double least_ratio)
+ * then does four times the work. Returns 0, or -1 where a pivot is not positive. */
+WIDE static int cholesky(double *A, size_t n)
 {
-    double least = INFINITY, most = 0.0;
     for (size_t start = 0; start < n; start += 4) {
         const size_t stop = start + 4 < n ? start + 4 : n;
         for (size_t k = start; k < stop; k++) {
@@ -57,8 +55,6 @@ WIDE static int cholesky(double *A, size_t n, double least_ratio)
             if (!(row[k] > 0.0) || !isfinite(row[k]))
                 return -1;
             const double pivot = sqrt(row[k]);
-            least = pivot < least ? pivot : least;
-            most = pivot > most ? pivot : most;
             for (size_t j = k; j < n; j++)
                 row[j] /= pivot;
         }
@@ -71,7 +67,7 @@ WIDE static int cholesky(double *A, size_t n, double least_ratio)
                 subtract_four_rows(A + i * n + i, a + i, b + i, c + i, d + i, f, n - i);
         }
     }
-    return least < least_ratio * most ? -1 : 0;
+    return 0;
 }
 
 /* Solve U'y = b in place. */

@@ -51,12 +51,7 @@ static enum outcome solve_mean(struct motion *m, const double *free_q)
     add_product(m->pairs, 1.0, j->relative, free_q, j->n_relative, j->n_mode);
     free_slack(m, m->pairs);
     add_row(m->gap, m->way, -1.0, m->contact.size);
-    const enum contact_status status = solve_contact(&m->contact, m->gap, m->forces);
-    if (status != CONTACT_SOLVED)
-        return contact_problem(m, &m->contact, status);
-    memset(m->change, 0, 2 * j->n_point * sizeof(double));
-    take_slip(m, m->contact.slack, 0.5);
-    return OUTCOME_OK;
+    return answer_gap(m, 0.5);
 }
 
 /* Whether forces press closed points alone, and shear them no more than they may. */

@@ -61,7 +61,7 @@ static enum outcome find_acceleration(struct motion *m)
         return OUTCOME_OK;
     for (size_t i = 0; i < n * n; i++)
         m->A[i] = j->M[i] + span * span * j->K[i];
-    if (cholesky(m->A, n, 0.0) != 0) {
+    if (cholesky(m->A, n) != 0) {
         report(m, "M + (%g)^2 K is not positive definite", span);
         return OUTCOME_ERROR;
     }
@@ -142,7 +142,7 @@ static enum outcome start_motion(struct motion *m)
     if (outcome != OUTCOME_OK)
         return outcome;
     memcpy(m->A, j->K, n * n * sizeof(double));
-    if (cholesky(m->A, n, 0.0) != 0) {
+    if (cholesky(m->A, n) != 0) {
         report(m, "the stiffness matrix is not positive definite");
         return OUTCOME_ERROR;
     }

@@ -52,7 +52,7 @@ static enum outcome prepare_step(struct motion *m, const struct scheme *s, doubl
     }
     for (size_t i = 0; i < j->n_mode * j->n_mode; i++)
         m->A[i] = mass * j->M[i] + damping * j->C[i] + stiffness * j->K[i];
-    if (cholesky(m->A, j->n_mode, 0.0) != 0) {
+    if (cholesky(m->A, j->n_mode) != 0) {
         report(m, "the effective matrix of a step of %g is not positive definite", h);
         return OUTCOME_ERROR;
     }
