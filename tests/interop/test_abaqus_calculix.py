@@ -249,15 +249,20 @@ def test_mean_rotations_and_turned_couplings(tmp_path, how):
     compare(tmp_path, text)
 
 
-def test_cylindrical_axes_equations_and_springs(tmp_path):
+@pytest.mark.parametrize("at_end", ["rectangular", "on the axis"])
+def test_cylindrical_axes_equations_and_springs(tmp_path, at_end):
     grid, _, _ = mesh("C3D8")
     end = (np.flatnonzero(grid[:, 0] == 2 * CELLS[0]) + 1).tolist()
     others = [i for i in end if i != end[0]][:4]
     equations = [f"*EQUATION\n2\n{i}, 1, 1., {end[0]}, 1, -1." for i in others]
+    first = grid[end[0] - 1]
+    turned = ("R", "0.8, 0.6, 0., -0.6, 0.8, 0.")
+    if at_end == "on the axis":  # where CalculiX chooses a radial direction
+        turned = ("C", ", ".join(f"{x:.17g}" for x in [*first, *(first + [0.3, 1.0, 0.2])]))
     text = "\n".join(
         [
             block("C3D8"), "*TRANSFORM, NSET=HELD, TYPE=C", "0., 1., 30., 1., 1., 30.",
-            "*TRANSFORM, NSET=END, TYPE=R", "0.8, 0.6, 0., -0.6, 0.8, 0.",
+            f"*TRANSFORM, NSET=END, TYPE={turned[0]}", turned[1],
             "*NSET, NSET=OUTER", listed(end), *equations,
             "*ELEMENT, TYPE=SPRING1, ELSET=SOFT", f"9001, {end[-1]}",
             "*SPRING, ELSET=SOFT", "3", "5.E4",

@@ -52,18 +52,10 @@ def _per_node(
         for (row, (_, dof, text)), members in zip(fields, nodes, strict=True):
             node = members[i] if len(members) > 1 else members[0]
             value = real(keyword, row, text, "a coefficient")
-            terms += _term(node, component(keyword, row, dof), value, data)
+            parts = data.parts(node, component(keyword, row, dof))
+            # The largest comes first, because the first term of an equation is eliminated.
+            terms += [(owner, c, value * factor) for owner, c, factor in parts]
         yield tuple(terms)
-
-
-def _term(node: int, c: int, value: float, data: DeckData) -> list[Term]:
-    axes = data.axes(node)
-    if axes is None:
-        return [(*data.place(node, c), value)]
-    first = 3 * (c // 3)
-    turned = [(node, first + k, value * float(axes[c % 3, k])) for k in range(3)]
-    # The largest comes first, because the first term of an equation is eliminated.
-    return sorted((t for t in turned if t[2] != 0.0), key=lambda term: -abs(term[2]))
 
 
 _KNOWN = ("PIN", "TIE", "BEAM", "PLANE", "STRAIGHT", "MEANROT")

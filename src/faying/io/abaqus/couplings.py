@@ -13,7 +13,7 @@ from faying.io.abaqus.fields import check_count, positive
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.line_elements import TYPES
 from faying.io.abaqus.mesh import SHELL_TYPES, Elements
-from faying.io.abaqus.solid_sections import is_of_abaqus, orientation_at
+from faying.io.abaqus.solid_sections import find_frame, is_of_abaqus
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
 from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
 
@@ -30,19 +30,18 @@ class Couplings:
     turned: list[Equation]
 
 
-def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[int, Matrix]]:
+def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, DeckData]:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
     Distributing couplings weight nodes by their share of the surface's area, ∫N dA. Kinematic ones
     of some translations with ORIENTATION are equations a · u = a · (u_ref + θ_ref × r) along the
-    axes a of each node. Also return the axes of reference nodes of *DISTRIBUTING with
-    ORIENTATION: in CalculiX (User's Manual, *COUPLING) forces and moments on them are along these
-    axes; Abaqus uses them only to select rotations.
+    axes a of each node. Also return the data with the axes of reference nodes of *DISTRIBUTING
+    with ORIENTATION: in CalculiX (User's Manual, *COUPLING) forces and moments on them are along
+    these axes; Abaqus uses them only to select rotations.
     """
     rigid: list[RigidCoupling] = []
     average: list[AverageCoupling] = []
     turned: list[Equation] = []
-    of_references: dict[int, Matrix] = {}
     deck = data.deck
     for head, members in deck.groups("COUPLING", *MEMBERS):
         if len(members) != 1:
@@ -59,7 +58,8 @@ def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[
                     message = "rotations along an ORIENTATION are not supported beside some, not "
                     message += "all, translations; tie all translations, or no rotations"
                     raise member.error(message)
-                axes = orientation_at(deck, head, data.nodes.coordinates[nodes])
+                points = data.nodes.coordinates[nodes]
+                axes = find_frame(deck, head, points).directions(points)
                 turned += _along(data.nodes.coordinates, reference, nodes, axes[:, translations])
                 continue
             rigid.append(
@@ -68,9 +68,9 @@ def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[
             continue
         if head.has("ORIENTATION"):
             components = _ALL
-            if not is_of_abaqus(deck):
+            if not is_of_abaqus(deck) and not data.local.displacement[reference]:
                 points = data.nodes.coordinates[[reference]]
-                of_references[reference] = orientation_at(deck, head, points)[0]
+                data = data.along(np.array([reference]), find_frame(deck, head, points))
             deck.ignored.append(
                 "ORIENTATION of *DISTRIBUTING: forces on its node are along these axes, as in "
                 "CalculiX, except in decks that only Abaqus reads; all rotations are tied"
@@ -86,7 +86,7 @@ def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[
                 reference_components=tuple(sorted({0, 1, 2, *components})),
             )
         )
-    return Couplings(rigid=rigid, average=average, turned=turned), of_references
+    return Couplings(rigid=rigid, average=average, turned=turned), data
 
 
 def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list[Equation]:

@@ -1,16 +1,18 @@
 """A deck with its nodes, elements, sets and local axes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Vector
+from faying.digits import SOLVED
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, only_line, padded
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.mesh import Elements, Nodes, read_elements, read_nodes
+from faying.io.abaqus.mesh import SYSTEMS, Elements, Nodes, read_elements, read_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
+from faying.io.frames import BASIC, Frame, NodeAxes
 from faying.model.axes import axes_along
 
 
@@ -20,15 +22,12 @@ class DeckData:
 
     Attributes
     ----------
-    system : (n_node,)
-        Number of the *TRANSFORM of each node, -1 for none.
-    transforms
-        The *TRANSFORM keywords.
+    local
+        Local axes of nodes: of *TRANSFORM, and of reference nodes of *DISTRIBUTING with an
+        ORIENTATION, as in CalculiX.
     rotations
         Index of the node whose rotations are the translations of a rotation node of CalculiX,
         by index of the rotation node.
-    turned
-        Axes of reference nodes of *DISTRIBUTING with an ORIENTATION, as in CalculiX.
     """
 
     deck: Deck
@@ -36,10 +35,8 @@ class DeckData:
     elements: Elements
     element_sets: NamedSets
     node_sets: NamedSets
-    system: Indices
-    transforms: Sequence[Keyword] = ()
+    local: NodeAxes
     rotations: Mapping[int, int] = field(default_factory=dict)
-    turned: Mapping[int, Matrix] = field(default_factory=dict)
 
     def find(self, keyword: Keyword, row: int, label: str) -> Indices:
         """Return the node indices of a field: an id, or a node set."""
@@ -61,18 +58,23 @@ class DeckData:
             keyword.refuse(f"there is no node {label}; define it under *NODE", row)
         return int(self.nodes.index(ids, keyword, rows)[0])
 
-    def axes(self, node: int) -> Matrix | None:
-        """Return the local axes (3, 3) of a node as rows; None for the basic frame."""
-        number = int(self.system[node])
-        if number < 0:
-            return self.turned.get(node)
-        return _axes(self.transforms[number], self.nodes.coordinates[node])
+    def along(self, nodes: Indices, frame: Frame) -> "DeckData":
+        """Return the data with local axes of some nodes."""
+        number, local = len(self.local.frames), self.local
+        displacement = local.displacement.copy()
+        displacement[nodes] = number
+        frames = {**local.frames, number: frame}
+        return replace(self, local=replace(local, frames=frames, displacement=displacement))
 
-    def place(self, node: int, component: int) -> tuple[int, int]:
-        """Return node and component in the model of a degree of freedom of the deck."""
+    def parts(self, node: int, component: int) -> list[tuple[int, int, float]]:
+        """Return a degree of freedom of the deck as nodes, components and factors in the model.
+
+        The largest factor comes first.
+        """
         if node in self.rotations and component < 3:
-            return self.rotations[node], component + 3
-        return node, component
+            return [(self.rotations[node], component + 3, 1.0)]
+        parts = ((node, c, factor) for c, factor in self.local.basic_parts(node, component))
+        return sorted(parts, key=lambda part: -abs(part[2]))
 
 
 def read_data(deck: Deck) -> DeckData:
@@ -86,43 +88,64 @@ def read_data(deck: Deck) -> DeckData:
         elements=elements,
         element_sets=element_sets,
         node_sets=read_node_sets(deck, nodes, elements, element_sets),
-        system=np.full(len(nodes.ids), -1),
+        local=NodeAxes(
+            frames={0: BASIC},
+            nodes=nodes.coordinates,
+            displacement=np.zeros(len(nodes.ids), dtype=np.int64),
+        ),
     )
 
 
 def with_transforms(data: DeckData) -> DeckData:
     """Return the data with the local axes of all *TRANSFORM."""
-    system = data.system.copy()
-    transforms = data.deck.of("TRANSFORM")
-    for number, keyword in enumerate(transforms):
-        system[data.named_nodes(keyword, "NSET")] = number
-        first, second = _points(keyword)
-        _axes(keyword, first + 0.371 * second + np.array([0.1, 0.7, 0.3]))
-    return replace(data, system=system, transforms=transforms)
+    for keyword in data.deck.of("TRANSFORM"):
+        fields = only_line(keyword, range(7), "the coordinates of two points a and b")
+        values = padded(keyword, 0, fields, 6, "a coordinate")
+        kind, nodes = keyword.choice("TYPE"), data.named_nodes(keyword, "NSET")
+        data = data.along(
+            nodes,
+            rectangular(keyword, 0, values)
+            if kind == "R"
+            else about_axis(keyword, values, SYSTEMS[kind]),
+        )
+    if count := data.local.n_on_axis:
+        data.deck.ignored.append(f"{count} nodes on the axis of their *TRANSFORM: {ON_AXIS}")
+    return data
 
 
-def _points(keyword: Keyword) -> tuple[Vector, Vector]:
-    fields = only_line(keyword, range(7), "the coordinates of two points a and b")
-    values = padded(keyword, 0, fields, 6, "a coordinate")
-    return values[:3], values[3:]
+ON_AXIS = "any direction normal to it is radial there; that of CalculiX is used"
 
 
-def _axes(keyword: Keyword, point: Vector) -> Matrix:
-    """Return local axes at a point: rectangular, cylindrical (r, t, z) or spherical."""
-    first, second = _points(keyword)
-    arm, axis = point - first, second - first
-    # x, and a direction of its plane with y
-    x, plane = {
-        "R": (first, second),
-        "C": (arm - axis * (arm @ axis) / (float(axis @ axis) or 1.0), np.cross(axis, arm)),
-        "S": (arm, np.cross(axis, arm)),
-    }[keyword.choice("TYPE")]
-    axes = axes_along(x, plane)
+def rectangular(keyword: Keyword, row: int, values: Vector) -> Frame:
+    """Return the system of points a and b, and of an origin after them if given."""
+    origin = values[6:] if len(values) > 6 else np.zeros(3)
+    axes = axes_along(values[:3] - origin, values[3:6] - origin)
     if axes is None:
         keyword.refuse(
-            "the axes are not defined: points coincide or lie on one line, or a node on it", 0
+            "points a and b lie on one line with the origin; they must span a plane", row
         )
-    return axes
+    return Frame(kind="R", origin=origin, axes=axes)
+
+
+def about_axis(keyword: Keyword, values: Vector, kind: str) -> Frame:
+    """Return a cylindrical or spherical system about the line between two points.
+
+    Its x axis is the direction that CalculiX uses as radial on the axis.
+    """
+    axis = values[3:] - values[:3]
+    length = float(np.linalg.norm(axis))
+    if not length > 0:
+        keyword.refuse("the two points of the axis coincide", 0)
+    axis = axis / length
+    if abs(axis[0]) > SOLVED:
+        radial = np.array([-axis[1] / axis[0], 1.0, 0.0])
+    elif abs(axis[1]) > SOLVED:
+        radial = np.array([0.0, -axis[2] / axis[1], 1.0])
+    else:
+        radial = np.array([1.0, 0.0, 0.0])
+    radial /= np.linalg.norm(radial)
+    axes = np.stack([radial, np.cross(axis, radial), axis])
+    return Frame(kind=kind, origin=values[:3], axes=axes)
 
 
 def component(keyword: Keyword, row: int, text: str) -> int:

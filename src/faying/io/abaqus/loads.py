@@ -166,13 +166,9 @@ def _concentrated(keyword: Keyword, data: DeckData) -> Iterator[tuple[tuple[int,
 def concentrated_forces(forces: Forces, data: DeckData) -> Matrix:
     """Return forces and moments (n_node, 6) in the basic frame."""
     result = np.zeros((len(data.nodes.ids), 6))
-    for (node, c), value in forces.items():
-        axes = data.axes(node)
-        if axes is None:
-            result[data.place(node, c)] += value
-        else:
-            first = 3 * (c // 3)
-            result[node, first : first + 3] += value * axes[c % 3]
+    for dof, value in forces.items():
+        for node, c, factor in data.parts(*dof):
+            result[node, c] += value * factor
     return result
 
 

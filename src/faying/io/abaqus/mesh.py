@@ -5,11 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Matrix
 from faying.exceptions import refuse
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integers, padded, reals, table
 from faying.io.abaqus.keyword import Keyword
+from faying.io.frames import BASIC, Frame
 from faying.model.axes import axes_along
 from faying.model.elements import ALL_SOLIDS, SOLIDS, SolidElement
 
@@ -44,7 +45,7 @@ class Nodes:
 def read_nodes(deck: Deck) -> Nodes:
     """Read all *NODE, with the *SYSTEM in force and the position of their instance."""
     ids, coordinates, owners, rows = [], [], [], []
-    system: tuple[Matrix, Vector] | None = None
+    system = BASIC
     for keyword in deck.of("NODE", "SYSTEM"):
         if keyword.name == "SYSTEM":
             system = _system(keyword)
@@ -73,7 +74,7 @@ def located(parts: Sequence[Indices], position: int) -> tuple[int, int]:
 
 
 def _node_block(
-    keyword: Keyword, system: tuple[Matrix, Vector] | None, ignored: list[str]
+    keyword: Keyword, system: Frame, ignored: list[str]
 ) -> tuple[Indices, Matrix, Indices]:
     if keyword.has("INPUT"):
         keyword.refuse("INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE")
@@ -97,29 +98,20 @@ def _node_block(
     if ids.size and ids.min() < 1:
         keyword.refuse(f"node id {ids.min()}; ids are positive", int(ids.argmin()))
     points = np.column_stack([reals(c, keyword, rows, "a coordinate") for c in columns[1:4]])
-    points = _cartesian(keyword, points)
-    if system is not None:
-        points = points @ system[0] + system[1]
+    kind = SYSTEMS[keyword.choice("SYSTEM")]
+    points = system.to_basic(replace(BASIC, kind=kind).to_basic(points))
     return ids, points @ keyword.scope.rotation.T + keyword.scope.translation, rows
 
 
-def _cartesian(keyword: Keyword, points: Matrix) -> Matrix:
-    kind = keyword.choice("SYSTEM")
-    if kind == "R":
-        return points
-    first, angle, third = points[:, 0], np.radians(points[:, 1]), points[:, 2]
-    if kind == "C":
-        return np.column_stack([first * np.cos(angle), first * np.sin(angle), third])
-    height = np.radians(third)
-    flat = first * np.cos(height)
-    return np.column_stack([flat * np.cos(angle), flat * np.sin(angle), first * np.sin(height)])
+SYSTEMS = {"R": "R", "C": "C", "S": "E"}
+"""Kinds of :class:`faying.io.frames.Frame`, by kinds of systems of nodes."""
 
 
-def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
-    """Return axes (rows) and origin of local coordinates; None, the basic frame, without data."""
+def _system(keyword: Keyword) -> Frame:
+    """Return the system of local coordinates; the basic one without data."""
     rows = keyword.rows()
     if not rows:
-        return None
+        return BASIC
     values = [padded(keyword, i, row, 6, "a coordinate") for i, row in enumerate(rows[:2])]
     origin = values[0][:3]
     x = values[0][3:] - origin
@@ -130,7 +122,7 @@ def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
         keyword.refuse(
             "expected the origin and a point on the x axis, then a point in the x-y plane", 0
         )
-    return axes, origin
+    return Frame(kind="R", origin=origin, axes=axes)
 
 
 SOLID_TYPES: Mapping[str, SolidElement] = {

@@ -106,8 +106,7 @@ def description(deck: Deck) -> JointDescription:
     shells = read_shells(data, named)
     mesh, cuts = _cut(data, mesh, sections, shells)
     surfaces = read_surfaces(data, mesh, shells)
-    couplings, axes = read_couplings(data, surfaces)
-    data = replace(data, turned=axes)
+    couplings, data = read_couplings(data, surfaces)
     forces = list(read_concentrated(data, amplitudes))
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
     holds = read_supports(data, frozenset(section.node for section in sections), amplitudes)

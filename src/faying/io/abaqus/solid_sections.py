@@ -7,16 +7,15 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from faying._typing import Indices, Matrix, Vector
-from faying.digits import SOLVED
+from faying._typing import Indices, Matrix
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.deck_data import DeckData
+from faying.io.abaqus.deck_data import ON_AXIS, DeckData, about_axis, rectangular
 from faying.io.abaqus.fields import integer, padded, real
 from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock
 from faying.io.abaqus.sets import NamedSets, section_numbers
+from faying.io.frames import Frame
 from faying.model.assembly import Material
-from faying.model.axes import axes_along
 from faying.model.cells import CellBlock
 from faying.model.elastic_law import turned
 
@@ -33,60 +32,30 @@ def distributed_axes(
     name = rows[0][0].upper() if rows and len(rows[0]) == 1 else ""
     tables = [k for k in deck.of("DISTRIBUTION") if k.value("NAME").upper() == name]
     if not name or not tables:
-        return _axes(orientation), []
+        frame = _frame(orientation)
+        if frame.kind != "R":
+            system = orientation.choice("SYSTEM")
+            orientation.refuse(f"SYSTEM={system} is not supported; RECTANGULAR is")
+        return frame.axes, []
     default, *others = tables[-1].rows()
     if len(rows) > 1 or not default or default[0]:
         tables[-1].refuse(
             "expected a first line without an element, and no rotation after the distribution"
         )
-    return _spanned(tables[-1], 0, default[1:]), [
-        (sets.members(tables[-1], row[0], i), _spanned(tables[-1], i, row[1:]))
+    return _spanned(tables[-1], 0, default[1:]).axes, [
+        (sets.members(tables[-1], row[0], i), _spanned(tables[-1], i, row[1:]).axes)
         for i, row in enumerate(others, start=1)
     ]
 
 
-def orientation_at(deck: Deck, keyword: Keyword, points: Matrix) -> Matrix:
-    """Return the axes (n, 3, 3) of the ORIENTATION of a keyword at points (n, 3), as rows.
-
-    Axes of a cylindrical orientation are radial, tangential and axial.
-    """
+def find_frame(deck: Deck, keyword: Keyword, points: Matrix) -> Frame:
+    """Return the system of the ORIENTATION of a keyword, and note points (n, 3) on its axis."""
     orientation = _find(deck, keyword)
-    if orientation.choice("SYSTEM") not in ("C", "CYLINDRICAL"):
-        return np.broadcast_to(_axes(orientation), (len(points), 3, 3))
-    orientation.check()
-    rows = orientation.rows()
-    if not rows or not 5 <= len(rows[0]) <= 6:
-        orientation.refuse("expected a line with the coordinates of two points of the axis")
-    values = padded(orientation, 0, rows[0], 6, "a coordinate")
-    axis = values[3:] - values[:3]
-    length = float(np.linalg.norm(axis))
-    if not length > 0:
-        orientation.refuse("the two points of the axis coincide", 0)
-    axis = axis / length
-    arms = points - values[:3]
-    radial = arms - np.outer(arms @ axis, axis)
-    lengths = np.linalg.norm(radial, axis=1)
-    on_axis = lengths <= SOLVED * np.abs(points).max(initial=0.0)
-    if on_axis.any():
-        radial[on_axis] = _across(axis)
-        lengths[on_axis] = 1.0
-        deck.ignored.append(
-            f"{int(on_axis.sum())} nodes on the axis of *ORIENTATION {orientation.value('NAME')}: "
-            "any direction normal to it is radial there; that of CalculiX is used"
-        )
-    radial = radial / lengths[:, None]
-    return np.stack([radial, np.cross(axis, radial), np.broadcast_to(axis, radial.shape)], axis=1)
-
-
-def _across(axis: Vector) -> Vector:
-    """Return the direction that CalculiX uses as radial on an axis."""
-    if abs(axis[0]) > SOLVED:
-        radial = np.array([-axis[1] / axis[0], 1.0, 0.0])
-    elif abs(axis[1]) > SOLVED:
-        radial = np.array([0.0, -axis[2] / axis[1], 1.0])
-    else:
-        radial = np.array([1.0, 0.0, 0.0])
-    return np.asarray(radial / np.linalg.norm(radial))
+    frame = _frame(orientation)
+    if count := int(frame.on_axis(points).sum()):
+        name = orientation.value("NAME")
+        deck.ignored.append(f"{count} nodes on the axis of *ORIENTATION {name}: {ON_AXIS}")
+    return frame
 
 
 def _find(deck: Deck, keyword: Keyword) -> Keyword:
@@ -94,26 +63,23 @@ def _find(deck: Deck, keyword: Keyword) -> Keyword:
     return named(keyword, keyword.value("ORIENTATION"), orientations, "orientation")
 
 
-def _axes(keyword: Keyword) -> Matrix:
+def _frame(keyword: Keyword) -> Frame:
     keyword.check()
-    if keyword.choice("SYSTEM") not in ("R", "RECTANGULAR"):
-        keyword.refuse(f"SYSTEM={keyword.choice('SYSTEM')} is not supported; RECTANGULAR is")
     rows = keyword.rows()
+    if keyword.choice("SYSTEM") in ("C", "CYLINDRICAL"):
+        if not rows or not 5 <= len(rows[0]) <= 6:
+            keyword.refuse("expected a line with the coordinates of two points of the axis")
+        return about_axis(keyword, padded(keyword, 0, rows[0], 6, "a coordinate"), "C")
     if not 1 <= len(rows) <= 2 or not 6 <= len(rows[0]) <= 9:
         keyword.refuse(
             "expected a line with the coordinates of points a and b, and one with a turn"
         )
-    axes = _spanned(keyword, 0, rows[0])
-    return axes if len(rows) == 1 else _turned(keyword, rows[1], axes)
+    frame = _spanned(keyword, 0, rows[0])
+    return frame if len(rows) == 1 else replace(frame, axes=_turned(keyword, rows[1], frame.axes))
 
 
-def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Matrix:
-    """Return the axes (3, 3) of points a and b, and of an origin after them if given."""
-    values = padded(keyword, row, fields, 9, "a coordinate")
-    axes = axes_along(values[:3] - values[6:], values[3:6] - values[6:])
-    if axes is None:
-        keyword.refuse("points a and b lie on one line with the origin; they must span a plane")
-    return axes
+def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Frame:
+    return rectangular(keyword, row, padded(keyword, row, fields, 9, "a coordinate"))
 
 
 def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:

@@ -1,7 +1,7 @@
 """``*BOUNDARY``: degrees of freedom held at zero, or moved."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -75,16 +75,20 @@ def read_supports(data: DeckData, apart: frozenset[int], amplitudes: Amplitudes)
     moved = {}
     for dof in [dof for dof in holds if any(courses[dof])]:
         _, keyword, row = holds.pop(dof)
-        if data.axes(dof[0]) is not None:
+        if data.local.axes(dof[0]) is not None:
             keyword.refuse(
                 f"node {data.nodes.ids[dof[0]]} is moved along axes of a *TRANSFORM; only basic "
                 "directions are supported for other displacements than zero",
                 row,
             )
-        moved[data.place(*dof)] = tuple(courses[dof])
-    supports = tuple(_supports(list(holds), data))
+        ((node, c, _),) = data.parts(*dof)
+        moved[node, c] = tuple(courses[dof])
+    fixed = np.zeros((len(data.nodes.ids), 6), dtype=bool)
+    for node, c in holds:
+        fixed[(node, c) if node not in data.rotations else data.parts(node, c)[0][:2]] = True
+    supports = enumerate(data.local.supports(fixed, 0), start=1)
     return Boundary(
-        supports=supports,
+        supports=tuple(replace(item, id=number) for number, item in supports),
         moved=moved,
         pretension={node: courses[node, 0][last] for node in bolts},
         since={node: since[node, 0] for node in bolts},
@@ -143,29 +147,3 @@ def _line(
     for c in components:
         for node in nodes.tolist():
             yield (node, c), value
-
-
-def _supports(dofs_of_supports: list[Place], data: DeckData) -> Iterator[Support]:
-    """Yield a support per set of components, and one per node with local axes."""
-    by_node: dict[int, list[int]] = {}
-    for node, c in dofs_of_supports:
-        by_node.setdefault(node, []).append(c)
-    along_frame: dict[int, set[int]] = {}
-    number = 1
-    for node, components in by_node.items():
-        # Axes do not matter where all directions are held.
-        whole = set(components) in ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})
-        axes = None if whole else data.axes(node)
-        if axes is None:
-            for owner, c in (data.place(node, component) for component in components):
-                along_frame.setdefault(owner, set()).add(c)
-        else:
-            yield Support(
-                id=number, nodes=np.array([node]), components=tuple(sorted(components)), axes=axes
-            )
-            number += 1
-    groups: dict[tuple[int, ...], list[int]] = {}
-    for owner, held in along_frame.items():
-        groups.setdefault(tuple(sorted(held)), []).append(owner)
-    for support_id, (key, nodes) in enumerate(groups.items(), start=number):
-        yield Support(id=support_id, nodes=np.unique(nodes), components=key)

@@ -1,13 +1,12 @@
 """CORD1R/C/S, CORD2R/C/S: coordinate systems in the basic frame."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, frozen
-from faying.digits import ROUND_OFF
+from faying._typing import Indices, Matrix
+from faying.io.frames import BASIC, Frame, NodeAxes
 from faying.io.nastran.cards import Card, Cards
 from faying.model.axes import axes_along
 
@@ -19,85 +18,6 @@ ON_AXIS = (
     "takes the system's x axis, Nastran a direction that depends on rounding"
 )
 """Note on grid points on such an axis, after their number."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Frame:
-    """A coordinate system.
-
-    Attributes
-    ----------
-    kind
-        ``"R"`` rectangular, ``"C"`` cylindrical (r, θ, z) or ``"S"`` spherical (r, θ, φ), degrees.
-    origin : (3,) [length]
-    axes : (3, 3)
-        Rows are the rectangular axes in the basic frame.
-    """
-
-    kind: str
-    origin: Matrix
-    axes: Matrix
-
-    def to_basic(self, points: Matrix) -> Matrix:
-        """Return basic coordinates of points (n, 3) in this system."""
-        a, b, c = points.T
-        if self.kind == "C":
-            angle = np.radians(b)
-            local = np.stack([a * np.cos(angle), a * np.sin(angle), c], axis=1)
-        elif self.kind == "S":
-            polar, around = np.radians(b), np.radians(c)
-            ring = a * np.sin(polar)
-            local = np.stack(
-                [ring * np.cos(around), ring * np.sin(around), a * np.cos(polar)], axis=1
-            )
-        else:
-            local = points
-        return np.asarray(local @ self.axes + self.origin)
-
-    def on_axis(self, points: Matrix) -> Mask:
-        """Return which basic points (n, 3) lie on the axis, without a radial direction."""
-        if self.kind == "R":
-            return np.zeros(len(points), dtype=bool)
-        x, y, _ = ((points - self.origin) @ self.axes.T).T
-        scale = max(
-            float(np.abs(points).max(initial=0.0)), float(np.abs(self.origin).max()), 1e-300
-        )
-        return np.asarray(np.hypot(x, y) <= ROUND_OFF * scale)
-
-    def directions(self, points: Matrix) -> Matrix:
-        """Return unit vectors (n, 3, 3), one per row, along the components at basic points.
-
-        On the axis of a cylindrical or spherical system its rectangular axes are used.
-        """
-        if self.kind == "R":
-            return np.broadcast_to(self.axes, (len(points), 3, 3))
-        x, y, z = ((points - self.origin) @ self.axes.T).T
-        ring = np.hypot(x, y)
-        off = ~self.on_axis(points)
-        safe = np.where(off, ring, 1.0)
-        cos, sin = np.where(off, x / safe, 1.0), np.where(off, y / safe, 0.0)
-        zero, ones = np.zeros_like(x), np.ones_like(x)
-        around = np.stack([-sin, cos, zero], axis=1)
-        if self.kind == "C":
-            rows = [
-                np.stack([cos, sin, zero], axis=1),
-                around,
-                np.stack([zero, zero, ones], axis=1),
-            ]
-        else:
-            radius = np.where(off, np.hypot(ring, z), 1.0)
-            s, c = ring / radius, z / radius
-            rows = [
-                np.stack([s * cos, s * sin, c], axis=1),
-                np.stack([c * cos, c * sin, -s], axis=1),
-                around,
-            ]
-        local = np.stack(rows, axis=1)
-        local[~off] = np.eye(3)
-        return np.asarray(local @ self.axes)
-
-
-BASIC = Frame(kind="R", origin=frozen(np.zeros(3)), axes=frozen(np.eye(3)))
 
 
 def missing_system(number: int) -> str:
@@ -178,19 +98,8 @@ def _frame(definition: _Definition, frames: Mapping[int, Frame]) -> Frame:
     return Frame(kind=card.cards.name[-1], origin=a, axes=axes[[1, 2, 0]])
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Systems:
-    """The coordinate systems of a deck with the grid points that use them.
-
-    Attributes
-    ----------
-    displacement : (n_node,)
-        System of the displacement components of each node (CD).
-    """
-
-    frames: Mapping[int, Frame]
-    nodes: Matrix
-    displacement: Indices
+class Systems(NodeAxes):
+    """The coordinate systems of a deck with the grid points that use them (CD)."""
 
     def frame_of(self, card: Card, field: int, number: int | None = None) -> Frame:
         """Return the system named in a field of a card, or the system ``number``."""
@@ -209,38 +118,4 @@ class Systems:
             if number not in self.frames:
                 cards.refuse(int(rows[these[0]]), missing_system(number), field)
             result[these] = self.frames[number].directions(points[these])
-        return result
-
-    @property
-    def n_on_axis(self) -> int:
-        """Number of grid points on the axis of their system."""
-        numbers = np.unique(self.displacement[self.displacement != 0]).tolist()
-        return sum(
-            int(self.frames[number].on_axis(self.nodes[self.displacement == number]).sum())
-            for number in numbers
-        )
-
-    def axes(self, node: int) -> Matrix | None:
-        """Return directions (3, 3) of the components of a node; None for the basic ones."""
-        system = int(self.displacement[node])
-        if system == 0:
-            return None
-        axes = self.frames[system].directions(self.nodes[node][None])[0]
-        return None if np.allclose(axes, np.eye(3), rtol=0, atol=ROUND_OFF) else axes
-
-    def basic_parts(self, node: int, component: int) -> list[tuple[int, float]]:
-        """Return a component of a node as basic components with factors."""
-        axes = self.axes(node)
-        if axes is None:
-            return [(component, 1.0)]
-        first, row = 3 * (component // 3), axes[component % 3].tolist()
-        return [(first + k, cosine) for k, cosine in enumerate(row) if abs(cosine) > ROUND_OFF]
-
-    def axes_of(self, nodes: Indices) -> Matrix:
-        """Return directions (n, 3, 3) of the components of several nodes."""
-        result = np.broadcast_to(np.eye(3), (len(nodes), 3, 3)).copy()
-        system = self.displacement[nodes]
-        for number in np.unique(system[system != 0]).tolist():
-            rows = system == number
-            result[rows] = self.frames[number].directions(self.nodes[nodes[rows]])
         return result

@@ -11,7 +11,6 @@ from functools import partial
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.digits import ROUND_OFF
 from faying.exceptions import FormatError, refuse
 from faying.io.moved_supports import Place, moved_note, with_moved_supports
 from faying.io.nastran.cards import Cards
@@ -146,10 +145,8 @@ def with_moving(
 def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
     """Read the SPC sets selected by case control; all sets without case control.
 
-    Supports of one set with the same components are joined. In displacement coordinate systems
-    with other than basic directions, nodes with equal directions are joined. Permanent supports
-    of GRID have the id 0. Returned are the fixed supports, and the displacements by SPC and
-    SPCD.
+    Nodes of one set with equal components and directions have one support. Permanent supports of
+    GRID have the id 0. Returned are the fixed supports, and the displacements by SPC and SPCD.
     """
     spc, lists = bulk.cards.get("SPC"), bulk.cards.get("SPC1")
     present = [cards for cards in (spc, lists) if cards is not None]
@@ -158,25 +155,27 @@ def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
         None if cards is None else cards.take(np.isin(cards.integers(0), list(sets)))
         for cards in (spc, lists)
     )
-    constrained: dict[tuple[int, tuple[int, ...]], list[Indices]] = {}
+    fixed: dict[int, Mask] = {}
     place = "GRID or GRDSET: permanent support (PS)"
-    for digits, nodes in bulk.grids.permanent.items():
-        chosen = components(digits, lambda text: FormatError(f"{place}: {text}"))
-        constrained.setdefault((0, chosen), []).append(nodes)
-    for number, chosen, nodes in (*_singles(spc, bulk.grids), *_lists(lists, bulk.grids)):
-        constrained.setdefault((number, chosen), []).append(nodes)
-    joined = {key: np.unique(np.concatenate(parts)) for key, parts in constrained.items()}
-    fixed = np.zeros((len(bulk.grids.ids), 6), dtype=bool)
-    for (_, numbers), nodes in joined.items():
-        fixed[nodes[:, None], list(numbers)] = True
-    moved = _moved(bulk, spc, fixed)
-    moving = np.zeros_like(fixed)
+    permanent = (
+        (0, components(digits, lambda text: FormatError(f"{place}: {text}")), nodes)
+        for digits, nodes in bulk.grids.permanent.items()
+    )
+    shape = (len(bulk.grids.ids), 6)
+    for number, chosen, nodes in (
+        *permanent,
+        *_singles(spc, bulk.grids),
+        *_lists(lists, bulk.grids),
+    ):
+        fixed.setdefault(number, np.zeros(shape, dtype=bool))[nodes[:, None], list(chosen)] = True
+    moved = _moved(bulk, spc, np.any([np.zeros(shape, dtype=bool), *fixed.values()], axis=0))
+    moving = np.zeros(shape, dtype=bool)
     for dof in moved.places:
         moving[dof] = True
     supports = [
         support
-        for (number, numbers), nodes in joined.items()
-        for support in _standing(number, numbers, nodes, moving, bulk.grids)
+        for number, mask in fixed.items()
+        for support in bulk.grids.systems.supports(mask & ~moving, number)
     ]
     return supports, moved
 
@@ -213,24 +212,3 @@ def _lists(cards: Cards | None, grids: Grids) -> _Fixed:
         if not len(nodes):
             card.refuse("none of its GRIDs is in the deck; define them or remove the card")
         yield card.integer(0), grids.components(nodes, card.text(1), card.error), nodes
-
-
-def _standing(
-    number: int, numbers: tuple[int, ...], nodes: Indices, moving: Mask, grids: Grids
-) -> Iterator[Support]:
-    """Yield fixed supports, one for nodes of equal components and directions."""
-    still = ~moving[nodes[:, None], list(numbers)]
-    axes = grids.systems.axes_of(nodes)
-    # Rounding at 1e-12 joins nodes whose directions differ by arithmetic only.
-    keys = np.hstack([still, np.round(axes.reshape(-1, 9), 12)])
-    _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    for i, row in enumerate(first.tolist()):
-        standing = tuple(np.array(numbers)[still[row]].tolist())
-        turned = not np.allclose(axes[row], np.eye(3), rtol=0, atol=ROUND_OFF)
-        if standing:
-            yield Support(
-                id=number,
-                nodes=nodes[which.ravel() == i],
-                components=standing,
-                axes=axes[row] if turned else None,
-            )
