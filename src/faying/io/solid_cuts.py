@@ -99,7 +99,7 @@ class Cut:
 def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
     """Give new nodes to the elements that own the facets of a section."""
     owners = _owning_side(mesh, section)
-    n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
+    n_node = len(mesh.nodes)
     originals = section.nodes
     copy_of = np.arange(n_node)
     copy_of[originals] = n_node + np.arange(len(originals))
@@ -124,13 +124,8 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
         section.refuse(f"{section.shown} has no area as a whole; a section is nearly flat")
     normal, sense = _direction(section, vector / area)
     centre = moment / total
-    changed = replace(
-        mesh,
-        nodes=np.vstack([mesh.nodes, mesh.nodes[originals], centre, centre]),
-        node_ids=np.concatenate([mesh.node_ids, first_id + np.arange(len(originals) + 2)]),
-        blocks=tuple(blocks),
-    )
-    return changed, Cut(
+    added = np.vstack([mesh.nodes[originals], centre, centre])
+    return replace(mesh, blocks=tuple(blocks)).with_nodes(added), Cut(
         name=section.name,
         originals=originals,
         copies=copy_of[originals],
@@ -235,20 +230,18 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
     equations: list[Equation] = []
     springs: list[Spring] = []
     supports: list[Support] = []
-    number = max((equation.id for equation in assembly.equations), default=0)
     spring_id = assembly.largest_id
     for cut in cuts:
         fixed, moving = cut.ends
         for original, copy in zip(cut.originals.tolist(), cut.copies.tolist(), strict=True):
             for c in range(3):
-                number += 1
                 terms = (
                     (copy, c, 1.0),
                     (original, c, -1.0),
                     (moving, cut.component, float(cut.normal[c])),
                 )
                 equations.append(
-                    Equation(id=number, terms=tuple(term for term in terms if term[2] != 0.0))
+                    Equation(id=0, terms=tuple(term for term in terms if term[2] != 0.0))
                 )
         spring_id += 1
         # Only direction and place of the shank are known: its length is the width of the section.

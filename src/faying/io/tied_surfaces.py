@@ -32,11 +32,10 @@ def moving_together(
 
     Each name comes with the share of the smaller surface that is tied.
     """
-    first = max((equation.id for equation in assembly.equations), default=0) + 1
     equations: list[Equation] = []
     partial: list[tuple[str, float]] = []
     for spec in specs:
-        tied, share = _tied_equations(assembly, spec, first + len(equations))
+        tied, share = _tied_equations(assembly, spec)
         equations += tied
         if share < WHOLE_AREA:
             partial.append((spec.name, share))
@@ -44,12 +43,12 @@ def moving_together(
 
 
 def following(
-    assembly: Assembly, node_indices: Indices, surface: str, reach: float, first: int
+    assembly: Assembly, node_indices: Indices, surface: str, reach: float
 ) -> tuple[tuple[Equation, ...], int]:
     """Return equations by which single nodes follow a surface, and the number of these nodes.
 
     Nodes (indices (n,)) follow within ``reach`` [length] of the surface; its own nodes
-    need no equation. The first equation has the id ``first``.
+    need no equation.
     """
     facets = select_facets(assembly, surface)
     places = nearest_places(assembly.mesh.nodes, node_indices, facets, reach)
@@ -63,7 +62,7 @@ def following(
     slaves = node_indices[places.rows[free]]
     ones = np.ones(len(slaves))
     own_part = sp.csr_array((ones, (np.arange(len(slaves)), slaves)), shape=shape)
-    return tuple(equal_motions(slaves, follow - own_part, first)), len(places.rows)
+    return tuple(equal_motions(slaves, follow - own_part)), len(places.rows)
 
 
 def with_elastic_layer(
@@ -76,7 +75,6 @@ def with_elastic_layer(
     and named, with a search distance.
     """
     (coupling,) = find_couplings(assembly, spec).values()
-    first = max((equation.id for equation in assembly.equations), default=0) + 1
     for part in _layer_points(assembly.mesh, coupling.segments):
         mesh, count = assembly.mesh, len(part.areas)
         point_nodes = len(mesh.nodes) + np.arange(count)
@@ -91,16 +89,10 @@ def with_elastic_layer(
             Bush.of_arrays(number, [node], springs, rows, place)
             for number, (node, springs, rows, place) in enumerate(table, assembly.largest_id + 1)
         ]
-        equations = list(equal_motions(point_nodes, motion + minus, first))
-        first += len(equations)
         assembly = replace(
             assembly,
-            mesh=replace(
-                mesh,
-                nodes=np.vstack([mesh.nodes, part.places]),
-                node_ids=np.append(mesh.node_ids, mesh.node_ids.max() + 1 + np.arange(count)),
-            ),
-            equations=(*assembly.equations, *equations),
+            mesh=mesh.with_nodes(part.places),
+            equations=(*assembly.equations, *equal_motions(point_nodes, motion + minus)),
             bushes=(*assembly.bushes, *bushes),
         )
     return assembly
@@ -152,22 +144,19 @@ def _at_points(shape: Matrix, columns: Indices, nodes: Matrix) -> SparseMatrix:
     return sp.csr_array((shape.ravel(), (rows, every)), shape=(n * n_q, len(nodes)))
 
 
-def _tied_equations(
-    assembly: Assembly, spec: InterfaceSpec, first: int
-) -> tuple[list[Equation], float]:
+def _tied_equations(assembly: Assembly, spec: InterfaceSpec) -> tuple[list[Equation], float]:
     """Return the equations of two surfaces, and the share of the smaller surface that they tie.
 
     Ties are node to node where the meshes match, else mortar means, with the minus side's own
-    nodes first. The sides are non-matching and named, with a search distance; the first equation
-    has the id ``first``.
+    nodes first. The sides are non-matching and named, with a search distance.
     """
     pairs = _pairs(assembly, spec)
     pairs = pairs if len(pairs) else _opposite(assembly, spec)
     if len(pairs):
-        return list(equal_motions(*_node_on_node(pairs, len(assembly.mesh.nodes)), first)), 1.0
+        return list(equal_motions(*_node_on_node(pairs, len(assembly.mesh.nodes)))), 1.0
     (coupling,) = find_couplings(assembly, spec).values()
     share = float(coupling.weights.sum()) / (declared_area(assembly, spec) or np.inf)
-    return list(equal_motions(coupling.pairs[:, 0], coupling.motion, first)), share
+    return list(equal_motions(coupling.pairs[:, 0], coupling.motion)), share
 
 
 def _pairs(assembly: Assembly, spec: InterfaceSpec) -> Indices:
@@ -212,20 +201,13 @@ def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:
     return pairs[:, 0], plus - sp.csr_array((ones, (rows, pairs[:, 0])), shape=plus.shape)
 
 
-def equal_motions(slave_nodes: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
+def equal_motions(slave_nodes: Indices, motion: SparseMatrix) -> Iterator[Equation]:
     """Yield the equations of the relative displacements, slave nodes first."""
     table = motion.tocsr()
-    number = first
     for row, node in enumerate(slave_nodes.tolist()):
         part = slice(table.indptr[row], table.indptr[row + 1])
         terms = dict(zip(table.indices[part].tolist(), table.data[part].tolist(), strict=True))
         mine = terms.pop(node, 0.0)
         for c in range(3 if mine else 0):  # nodes without an opposite surface are not tied
-            yield Equation(
-                id=number,
-                terms=(
-                    (node, c, mine),
-                    *((node_of_term, c, value) for node_of_term, value in terms.items()),
-                ),
-            )
-            number += 1
+            others = ((other, c, value) for other, value in terms.items())
+            yield Equation(id=0, terms=((node, c, mine), *others))

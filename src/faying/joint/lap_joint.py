@@ -291,11 +291,7 @@ def _with_ends(geometry: LapGeometry, assembly: Assembly) -> Assembly:
     clamp, face = (np.flatnonzero(mesh.nodes[:, 0] == x) for x in (-half, half))
     height = geometry.heights()[1:3].mean() + geometry.rise(half)
     tip = len(mesh.nodes)
-    mesh = replace(
-        mesh,
-        nodes=np.vstack([mesh.nodes, [half, 0.0, height]]),
-        node_ids=np.append(mesh.node_ids, tip + 1),
-    )
+    mesh = mesh.with_nodes(np.array([half, 0.0, height]))
     largest = int(mesh.blocks[0].ids.max())
     return replace(
         assembly,

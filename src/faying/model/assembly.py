@@ -222,10 +222,18 @@ class AverageCoupling(Frozen):
 
 @dataclass(frozen=True, kw_only=True)
 class Equation:
-    """MPC: Σ coefficient · u[node, component] = 0; the first term is the dependent one."""
+    """MPC: Σ coefficient · u[node, component] = 0; the first term is the dependent one.
+
+    The id is zero if the equation is not from a set of a deck.
+    """
 
     id: int
     terms: tuple[tuple[int, int, float], ...]
+
+    @property
+    def label(self) -> str:
+        """The name in messages."""
+        return f"equation {self.id}" if self.id else "an equation"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -308,19 +308,13 @@ def _carried(assembly: Assembly, corners: Vector, motion: sp.csr_array) -> tuple
     """Add three nodes that follow a point by shape functions (1, n_node); return their indices."""
     mesh = assembly.mesh
     added = len(mesh.nodes) + np.arange(3)
-    first = max((equation.id for equation in assembly.equations), default=0) + 1
     follow = sp.csr_array((np.ones(3), (np.arange(3), np.zeros(3, dtype=int)))) @ motion
     follow.resize((3, len(mesh.nodes) + 3))
     minus = sp.csr_array((np.full(3, -1.0), (np.arange(3), added)), shape=follow.shape)
-    ids = mesh.node_ids.max() + 1 + np.arange(3)
     return replace(
         assembly,
-        mesh=replace(
-            mesh,
-            nodes=np.vstack([mesh.nodes, corners]),
-            node_ids=np.append(mesh.node_ids, ids),
-        ),
-        equations=(*assembly.equations, *equal_motions(added, follow + minus, first)),
+        mesh=mesh.with_nodes(corners),
+        equations=(*assembly.equations, *equal_motions(added, follow + minus)),
     ), added
 
 

@@ -244,7 +244,7 @@ def _tied(data: DeckData, assembly: Assembly, couplings: Couplings) -> Assembly:
     rigid, number = with_real_rotations(rigid, rotating), count(1)
     return replace(
         assembly,
-        equations=tuple(replace(item, id=next(number)) for item in equations),
+        equations=tuple(equations),
         rigid_couplings=tuple(replace(item, id=next(number)) for item in rigid),
         average_couplings=tuple(replace(item, id=next(number)) for item in average),
     )

@@ -109,8 +109,7 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     ]
     all_equations = (*assembly.equations, *equations)
     for tie in of_nodes:
-        first = max((equation.id for equation in all_equations), default=0) + 1
-        all_equations += _following(named, tie, first, ignored)
+        all_equations += _following(named, tie, ignored)
     moved = _adjusted(assembly.mesh.nodes, ties, all_equations[len(assembly.equations) :])
     named = replace(named, equations=all_equations, mesh=replace(named.mesh, nodes=moved))
     for tie, spec in specs.items():
@@ -140,12 +139,10 @@ def _stiffness(pair: Pair) -> tuple[float, float] | None:
     return (normal, along) if isinstance(normal, float) and isinstance(along, float) else None
 
 
-def _following(
-    assembly: Assembly, tie: Tie, first: int, ignored: list[str]
-) -> tuple[Equation, ...]:
+def _following(assembly: Assembly, tie: Tie, ignored: list[str]) -> tuple[Equation, ...]:
     """Return the equations of a tie with a slave surface of nodes, and note untied nodes."""
     tolerance = _tolerance(assembly, tie)
-    equations, n_tied = following(assembly, tie.slave.nodes, tie.master.name, tolerance, first)
+    equations, n_tied = following(assembly, tie.slave.nodes, tie.master.name, tolerance)
     if not n_tied:
         tie.keyword.refuse(
             f"no node of slave surface '{tie.slave.name}' lies within {tolerance:g} of master "

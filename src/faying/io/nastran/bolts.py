@@ -74,7 +74,7 @@ def _cut_pairs(mesh: Mesh, number: int, card: Card, grids: Grids, axis: Vector) 
         card.refuse(f"{len(top)} grids on TOP and {len(bottom)} on BOTTOM; list them in pairs")
     (upper, _), (lower, owner) = (_centre(mesh, side) for side in (top, bottom))
     sense = 1.0 if (upper - lower) @ axis > 0 else -1.0
-    n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
+    n_node = len(mesh.nodes)
     centre = mesh.nodes[bottom].mean(axis=0)
     points = mesh.nodes[bottom] - centre
     normal = sense * axis
@@ -93,8 +93,7 @@ def _cut_pairs(mesh: Mesh, number: int, card: Card, grids: Grids, axis: Vector) 
         owners=np.zeros(0, dtype=np.int64),
         touching=0,
     )
-    nodes, ids = np.vstack([mesh.nodes, centre, centre]), first_id + np.arange(2)
-    return replace(mesh, nodes=nodes, node_ids=np.append(mesh.node_ids, ids)), cut
+    return mesh.with_nodes(np.stack([centre, centre])), cut
 
 
 def _centre(mesh: Mesh, nodes: Indices) -> tuple[Vector, int]:

@@ -12,7 +12,7 @@ def equation_rows(assembly: Assembly) -> Rows:
     equations = assembly.equations
     for equation in equations:
         if not equation.terms:
-            refuse_model(f"equation {equation.id} has no terms; give it at least one")
+            refuse_model(f"{equation.label} has no terms; give it at least one")
     counts = np.array([len(equation.terms) for equation in equations], dtype=np.int64)
     terms = [term for equation in equations for term in equation.terms]
     node, component, coefficient = np.array(terms, dtype=float).reshape(-1, 3).T
@@ -24,7 +24,7 @@ def equation_rows(assembly: Assembly) -> Rows:
     if np.any(coefficients == 0):
         row = int(np.flatnonzero(coefficients == 0)[0])
         refuse_model(
-            f"equation {equations[row].id}: the coefficient of its first term, "
+            f"{equations[row].label}: the coefficient of its first term, "
             f"{dof_name(assembly, int(dependent[row]))}, is zero; that term is the dependent one, "
             "so put one with a coefficient first"
         )
@@ -35,5 +35,5 @@ def equation_rows(assembly: Assembly) -> Rows:
         dependent=dependent,
         matrix=sparse_rows(shape, rows[others], dofs[others], values),
         owner=np.arange(len(equations)),
-        labels=tuple(f"equation {equation.id}" for equation in equations),
+        labels=tuple(equation.label for equation in equations),
     )
