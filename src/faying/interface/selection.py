@@ -45,10 +45,7 @@ def _facets_by_name(assembly: Assembly, name: str) -> Facets:
         return _face_set(assembly, name)
     exterior = mesh.exterior
     if name in mesh.node_sets:
-        # The extra last entry is for the unused columns (-1) and is always inside.
-        inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
-        inside[mesh.node_sets[name]] = inside[-1] = True
-        return exterior.taken(np.all(inside[exterior.nodes], axis=1))
+        return exterior.within(mesh.node_sets[name])
     if name in mesh.element_sets:
         return exterior.taken(np.isin(exterior.elements, mesh.element_sets[name]))
     if name in (names := _body_names(assembly)):

@@ -188,8 +188,7 @@ def _opposite(assembly: Assembly, spec: InterfaceSpec) -> Indices:
         return none
     image = np.full(len(nodes) + 1, -1)
     image[minus_nodes] = others[nearest]
-    theirs = {tuple(row) for row in np.sort(plus, axis=1).tolist()}
-    if not {tuple(row) for row in np.sort(image[minus], axis=1).tolist()} <= theirs:
+    if (facets.taken(side == 1).positions(image[minus]) < 0).any():
         return none
     return np.column_stack([minus_nodes, others[nearest]])
 

@@ -67,6 +67,13 @@ class Facets(Frozen):
         position: Indices = first[group[len(self) :]]
         return np.where(position < len(self), position, -1)
 
+    def within(self, nodes: Indices) -> "Facets":
+        """Return the facets with all nodes among the given indices."""
+        inside = np.zeros(max(part.max(initial=-1) for part in (nodes, self.nodes)) + 2, dtype=bool)
+        # The last entry is for unused columns (-1).
+        inside[nodes] = inside[-1] = True
+        return self.taken(np.asarray(inside[self.nodes].all(axis=1)))
+
     def joined(self, following: "Facets") -> "Facets":
         """Return these facets followed by others."""
         return Facets(

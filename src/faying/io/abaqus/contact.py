@@ -115,10 +115,7 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
     for side in sides:
         if len(side.facets) == 1:
             continue
-        exterior = mesh.exterior
-        inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
-        inside[side.nodes] = inside[-1] = True
-        count = int(inside[exterior.nodes].all(axis=1).sum())
+        count = len(mesh.exterior.within(side.nodes))
         if not side.facets and not count:
             continue  # single nodes become contact points
         namesake = mesh.node_sets.get(side.name)
@@ -225,7 +222,7 @@ def with_lone_nodes(
     """Replace pairs whose slave has no whole facet by a contact pair for each node."""
     replaced: list[Pair] = []
     for pair in pairs:
-        if pair.slave.facets or _whole(assembly, pair.slave):
+        if pair.slave.facets or len(assembly.mesh.exterior.within(pair.slave.nodes)):
             replaced.append(pair)
             continue
         assembly, points = _points(assembly, pair)
@@ -240,12 +237,6 @@ def with_lone_nodes(
             "of all exterior facets around it, as in CalculiX (Abaqus takes an area of 1)"
         )
     return assembly, replaced
-
-
-def _whole(assembly: Assembly, surface: DeckSurface) -> bool:
-    inside = np.zeros(len(assembly.mesh.nodes) + 1, dtype=bool)
-    inside[surface.nodes] = inside[-1] = True
-    return bool(inside[assembly.mesh.exterior.nodes].all(axis=1).any())
 
 
 def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:

@@ -175,9 +175,8 @@ def _faces(region: Region, assembly: Assembly) -> tuple[Matrix, Matrix]:
     """Return centres and outward normals (n, 3) of the faces of a region of solids."""
     faces = _outside(region, assembly.mesh)
     if region.facets is not None:
-        named = {tuple(row) for row in np.sort(region.facets, axis=1).tolist()}
-        rows = [tuple(row) in named for row in np.sort(faces.nodes, axis=1).tolist()]
-        faces = faces.taken(np.array(rows))
+        positions = np.unique(faces.positions(region.facets))
+        faces = faces.taken(positions[positions >= 0])
     nodes = assembly.mesh.nodes
     return facet_centres(nodes, faces), facet_normals(nodes, faces)
 

@@ -6,7 +6,6 @@ from os import PathLike
 
 import numpy as np
 
-from faying._typing import Indices
 from faying.exceptions import refuse
 from faying.io.deck_lines import naming
 from faying.io.left_out import IGNORABLE, checked_ignore
@@ -30,7 +29,6 @@ from faying.model.assembly import Assembly
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.description import JointDescription
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import WIDTH, unique_rows
 
 
 def read_joint(
@@ -204,9 +202,6 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     used = {region.name for pair in pairs for region in (pair.minus, pair.plus)}
     faces = {r.name: r.face_set for r in every.values() if r.facets is not None}
     mixed = {name for name, face_set in faces.items() if face_set is None}
-    exterior = np.zeros((0, WIDTH), dtype=np.int64)
-    if used | mixed:
-        exterior = assembly.mesh.exterior.nodes
     for region in every.values():
         if region.elements is not None:
             element_sets[region.name] = region.elements
@@ -214,11 +209,16 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
                 region.card.refuse(
                     "no solid of the deck belongs to this contact region; correct its ids"
                 )
-        elif region.name in used and region.shells is None:
-            _check_exterior(region, exterior)
+        elif region.name in used and region.shells is None and region.facets is not None:
+            positions = assembly.mesh.exterior.positions(region.facets)
+            if not len(positions) or positions.min() < 0:
+                region.card.refuse(
+                    "a face of this contact region lies inside a body; name exterior faces"
+                )
         if region.name in mixed and region.facets is not None:
             nodes = np.unique(region.facets[region.facets >= 0])
-            if len(nodes) and _spanned(nodes, exterior) == len(region.facets):
+            spanned = len(assembly.mesh.exterior.within(nodes))
+            if len(nodes) and spanned == len(region.facets):
                 node_sets[region.name] = nodes
             elif region.name in used:
                 region.card.refuse(
@@ -230,22 +230,6 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     mesh = replace(assembly.mesh, element_sets=element_sets, node_sets=node_sets)
     named = {name: face_set for name, face_set in faces.items() if face_set is not None}
     return replace(assembly, mesh=mesh, face_sets=named)
-
-
-def _check_exterior(region: Region, exterior: Indices) -> None:
-    """Refuse a region with a face inside a body."""
-    facets = region.facets if region.facets is not None else exterior[:0]
-    keys = np.sort(np.concatenate([exterior, facets]), axis=1)
-    first, group, _ = unique_rows(keys)
-    if (first[group[len(exterior) :]] >= len(exterior)).any() or not len(facets):
-        region.card.refuse("a face of this contact region lies inside a body; name exterior faces")
-
-
-def _spanned(nodes: Indices, exterior: Indices) -> int:
-    """Count the exterior faces with all nodes among the given ones."""
-    within = np.zeros(max(int(exterior.max(initial=0)), int(nodes.max())) + 2, dtype=bool)
-    within[nodes] = within[-1] = True
-    return int(within[exterior].all(axis=1).sum())
 
 
 def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None]) -> Assembly:
