@@ -743,7 +743,7 @@ REFUSED = [
         r"pretension node 104 belongs to another section too",
     ),
     (edited(("ELEMENT=3,", "ELEMENT=1,")), r"ELEMENT=1 is not one beam"),
-    (edited(("102, 1, 6", "102, 1, 6, 0.1"), ("*STEP", "*TRANSFORM, NSET=NALL\n1,,,0,1,0\n*STEP")),
+    (edited(("102, 1, 6", "102, 1, 6, 0.1"), ("*STEP", "*TRANSFORM, NSET=NALL\n1,1,,0,1,0\n*STEP")),
      r"node 102 is moved along axes of a \*TRANSFORM"),
     (edited(("102, 1, 6", "102, 3, 1")), r"last degree of freedom 1 is below the first 3"),
     (edited(("102, 1, 6", "102, 11")), r"degree of freedom 11, expected 1 to 6"),
