@@ -258,7 +258,8 @@ def test_cylindrical_axes_equations_and_springs(tmp_path, at_end):
     first = grid[end[0] - 1]
     turned = ("R", "0.8, 0.6, 0., -0.6, 0.8, 0.")
     if at_end == "on the axis":  # where CalculiX chooses a radial direction
-        turned = ("C", ", ".join(f"{x:.17g}" for x in [*first, *(first + [0.3, 1.0, 0.2])]))
+        points = np.concatenate([first, first + np.array([0.3, 1.0, 0.2])])
+        turned = ("C", ", ".join(f"{x:.17g}" for x in points))
     text = "\n".join(
         [
             block("C3D8"), "*TRANSFORM, NSET=HELD, TYPE=C", "0., 1., 30., 1., 1., 30.",
