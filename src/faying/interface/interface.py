@@ -258,29 +258,37 @@ class Interface(Frozen, Shown):
         return replace(self, initial_gap=gap)
 
 
-def _stacked_shear(members: Sequence[Interface]) -> SparseMatrix | None:
-    """Return the first tangential rows of all interfaces, then the second, or None."""
+def _diagonal(blocks: Sequence[SparseMatrix]) -> SparseMatrix:
+    """Return the block diagonal matrix of any number of blocks."""
+    return sp.block_diag([sp.csr_array((0, 0)), *blocks], format="csr")
+
+
+def _stacked_shear(members: Sequence[Interface]) -> SparseMatrix:
+    """Return the first tangential rows of all interfaces, then the second."""
     halves: list[list[SparseMatrix]] = [[], []]
     for member in members:
         half = member.shear.shape[0] // 2
         for rows, half_rows in zip(halves, (slice(0, half), slice(half, None)), strict=True):
             rows.append(member.shear[half_rows])
-    blocks = [sp.block_diag(rows) for rows in halves]
-    return read_only(sp.vstack(blocks).tocsr()) if blocks[0].shape[0] else None
+    return read_only(sp.vstack([_diagonal(rows) for rows in halves]).tocsr())
 
 
-def stack(interfaces: Mapping[str, Interface]) -> Contact:
-    """Return the contact of all interfaces of a model, in their order."""
+def stack(interfaces: Mapping[str, Interface], n_dof: int) -> Contact:
+    """Return the contact of all interfaces of a model, in their order; there may be none."""
     members = list(interfaces.values())
+    operators = [sp.csr_array((0, n_dof)), *(member.relative_operator for member in members)]
+    weights = [np.zeros(0), *(member.weights for member in members)]
+    gaps = [np.zeros(0), *(member.initial_gap for member in members)]
+    tangents = [np.zeros((2, 0, 3)), *(member.tangents for member in members)]
     ends = np.cumsum([0, *(member.n_points for member in members)])
     return Contact(
-        relative_operator=read_only(sp.vstack([m.relative_operator for m in members]).tocsr()),
-        interpolation=read_only(sp.block_diag([m.interpolation for m in members]).tocsr()),
-        initial_gap=frozen(np.concatenate([m.initial_gap for m in members])),
-        weights=frozen(np.concatenate([m.weights for m in members])),
+        relative_operator=read_only(sp.vstack(operators).tocsr()),
+        interpolation=read_only(_diagonal([member.interpolation for member in members])),
+        initial_gap=frozen(np.concatenate(gaps)),
+        weights=frozen(np.concatenate(weights)),
         laws={name: member.law for name, member in interfaces.items()},
         shear=_stacked_shear(members),
-        tangents=frozen(np.concatenate([member.tangents for member in members], axis=1)),
+        tangents=frozen(np.concatenate(tangents, axis=1)),
         slices={
             name: slice(int(start), int(stop))
             for name, start, stop in zip(interfaces, ends[:-1], ends[1:], strict=True)

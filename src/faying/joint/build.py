@@ -142,7 +142,7 @@ def structure_model(
     n_dof = len(dofs.free)
     structure = Structure(
         matrices=free_matrices(assembly, dofs, damping or Rayleigh()),
-        relative_operator=_relative(joints, n_dof),
+        relative_operator=cast("SparseMatrix", stack(joints, n_dof).relative_operator),
         boundary=boundary_dofs(placed),
         elongations=elongations(tightened, n_dof),
         whole_motions=partial(whole_motions, assembly.mesh.nodes, dofs.free),
@@ -201,13 +201,6 @@ def _interfaces(
             joints[name] = interface
     check_not_doubled(joints)
     return joints
-
-
-def _relative(joints: Mapping[str, Interface], n_dof: int) -> SparseMatrix:
-    """Return P of all interfaces."""
-    if not joints:
-        return sp.csr_array((0, n_dof))
-    return cast("SparseMatrix", stack(joints).relative_operator)
 
 
 def _find_interfaces(

@@ -13,6 +13,7 @@ from faying import cli
 from faying.cli.tables import text_table
 from faying.joint.diagnosis import free_parts
 from faying.linalg.backends import available_backends
+from small_nastran_deck import blocks
 
 SUPPORT = "SPC1,1,123,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15\n"
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -62,6 +63,14 @@ def test_decks_in_which_nothing_can_touch(call, tmp_path, command, name, text, h
     assert status
     (line,) = error.splitlines()
     assert f"no solids, no shells and no matrices ({held})" in line
+
+
+def test_a_deck_of_one_body_says_that_an_interface_is_missing(call, tmp_path):
+    upper = re.compile(r"GRID,1\d,.*\n|CHEXA,2,.*\n,17,18\n")
+    (tmp_path / "block.bdf").write_text(f"BEGIN BULK\n{upper.sub('', blocks())}ENDDATA\n")
+    status, out, _ = call("check", tmp_path / "block.bdf")
+    assert not status
+    assert "an interface: none is declared" in " ".join(out.split())
 
 
 def cells(lines, first):
