@@ -57,6 +57,16 @@ def test_contact_balances_bolt_and_load(penalty):
         assert contact == pytest.approx(bolt - force, rel=1e-8)
 
 
+def test_a_bolt_presses_hard_plates_whose_points_depend_on_each_other():
+    """Eight-node facets have more nodal points than normal displacements."""
+    model = fy.lap_joint(element_size=5.0, shape="hex20", plates=3, penalty="hard")
+    solution = fy.solve_static(fy.preload(model, {"bolt": 10e3}))
+    # Only soft springs at the tip hold the middle plate: round-off times the condition of K.
+    assert solution.bolt_force("bolt") == pytest.approx(10e3, rel=1e-8)
+    assert solution.gap.min() > -1e-9
+    assert np.abs(solution.gap[solution.pressure > 0]).max() < 1e-9
+
+
 def test_preload_scales_without_gap():
     """Without initial gaps frictionless contact is positively homogeneous."""
     model = fy.lap_joint(element_size=5.0)

@@ -163,12 +163,12 @@ def solve_complementarity(
         return _exchange(space, g_free, active, balance)
     except la.LinAlgError:
         pass
-    if len(balance.about):
-        # Closed points that do not resist the springs, or that are linearly dependent.
-        return _through_interior(space, g_free, balance, balance.about, 0.0, 1)
+    # Closed points are linearly dependent, or do not resist the springs.
     try:
         return _proximal_point(space, g_free, active, balance)
     except la.LinAlgError:
+        if len(balance.about):
+            return _through_interior(space, g_free, balance, balance.about, 0.0, 1)
         message = (
             "the contact flexibility is zero or not positive semidefinite at the points in "
             "contact; check that the stiffness matrix is symmetric and that no pressed "
