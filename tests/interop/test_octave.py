@@ -15,6 +15,7 @@ from faying.export.formats import export
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import NodalLoads
 from faying.simulation.solution import Solution
+from lap_joints import tiny_lap
 
 LOADS = np.array([[0.0, 0.0, -500.0, 0.0, 0.0, 0.0], [200.0, 50.0, 900.0, 2e3, -1e3, 3e3]])
 NAMES = tuple(f"tip.{name}" for name in ("Fx", "Fy", "Fz", "Mx", "My", "Mz"))
@@ -146,14 +147,7 @@ forces = state.lambda;
 
 def test_hard_contact_of_a_plate_on_weak_springs(program: str, tmp_path: Path) -> None:
     """Eight-node facets have more points than displacements; the springs bring round-off."""
-    plates = fy.lap_joint(
-        element_size=10.0,
-        plates=3,
-        shape="hex20",
-        hole_radius=0.0,
-        washer_radius=11.0,
-        penalty="hard",
-    ).with_bolt_forces({"bolt": 1e4})
+    plates = tiny_lap(plates=3, shape="hex20", penalty="hard").with_bolt_forces({"bolt": 1e4})
     given = fy.reduce(plates, fy.craig_bampton(plates, normal_modes=4), compliance=True)
     export(given, "mat", out=tmp_path / "joint.mat")
     found = run_octave(

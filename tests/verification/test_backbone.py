@@ -14,6 +14,7 @@ from faying.contact.laws import Coulomb, Penalty
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.load_pattern import LoadPattern
 from faying.model.boundary import Boundary
+from lap_joints import tiny_lap
 from small_system import SmallSystem
 
 MASS, SPRING, SLIDER, LIMIT, DAMPER = 2.0, 300.0, 500.0, 6.0, 0.4
@@ -135,7 +136,7 @@ def test_small_amplitudes_are_small_vibrations(joint):
 
 def test_what_lies_on_its_bound_sticks_once_small_cycles_repeat():
     """Tightening leaves points on their bounds: a first loading slips, however small it is."""
-    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    smooth = tiny_lap(penalty=1e6)
     rubbing = smooth.with_bolt_forces({"bolt": 8e3}).with_friction(0.05, tangential_penalty=8e5)
     tight = fy.solve_path(
         rubbing, [fy.Load(bolt_forces={"bolt": 8e3 * k / 10}) for k in range(1, 11)]

@@ -12,6 +12,7 @@ from faying.contact.contact import Contact
 from faying.contact.laws import Hard, Penalty
 from faying.exceptions import ConvergenceError
 from faying.joint.system import input_forces
+from lap_joints import tiny_lap
 
 COMPONENTS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 LARGEST = np.array([2000.0, 500.0, 500.0, 2e4, 2e4, 2e4])
@@ -200,9 +201,7 @@ def test_compliance_is_that_of_the_stiffness(joint):
 
 def test_newton_says_that_redundant_hard_contact_is_singular():
     """Four Gauss points a facet again: the saddle-point equations have no unique solution."""
-    coarse = fy.lap_joint(
-        element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty="hard", quadrature="gauss"
-    )
+    coarse = tiny_lap(penalty="hard", quadrature="gauss")
     coarse = fy.preload(coarse, {"bolt": 10e3})
     with pytest.raises(ConvergenceError, match=r"closes \d+ points .* singular; take nodal"):
         fy.solve_static_newton(coarse, fy.Load({"tip.Fz": -500.0}))

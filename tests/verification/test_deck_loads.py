@@ -14,6 +14,7 @@ from faying.model.assembly import NodalLoads
 from faying.model.boundary import FORCE_NAMES
 from faying.reduction.recovery import recovery_operator
 from faying.simulation.newton import solve_static_newton
+from lap_joints import tiny_lap
 
 PRESSURE, PULL = 2.5, np.array([40.0, -30.0, 25.0])
 SAME = 1e-9
@@ -205,9 +206,7 @@ def test_reduced_history_that_spans_everything_is_the_full_one(small):
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     """A joint of few degrees of freedom, two of its loads as patterns."""
-    model = fy.lap_joint(
-        element_size=10.0, hole_radius=0.0, washer_radius=11.0, damping=fy.Rayleigh(beta=1e-6)
-    )
+    model = tiny_lap(damping=fy.Rayleigh(beta=1e-6))
     forces = [[0, 0, -20.0, 0, 0, 0], [0, 15.0, 0, 0, 0, 0], [0, 0, 30.0, 0, 0, 0]]
     loads = {
         name: NodalLoads(nodes=nodes, forces=forces)

@@ -16,6 +16,7 @@ from faying.contact.laws import Coulomb, Penalty
 from faying.exceptions import ModelError
 from faying.model.boundary import Boundary
 from faying.simulation.periodic import PeriodicProblem
+from lap_joints import tiny_lap
 from small_system import SmallSystem
 
 
@@ -26,13 +27,7 @@ def slider():
 
 @pytest.fixture(scope="module")
 def lap():
-    model = fy.lap_joint(
-        element_size=10.0,
-        hole_radius=0.0,
-        washer_radius=11.0,
-        penalty=1e6,
-        damping=fy.Rayleigh(alpha=50.0),
-    )
+    model = tiny_lap(penalty=1e6, damping=fy.Rayleigh(alpha=50.0))
     rubbing = model.with_bolt_forces({"bolt": 8e3}).with_friction(0.2)
     return fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=15), compliance=True)
 

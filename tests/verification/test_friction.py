@@ -9,7 +9,6 @@ import scipy.sparse.linalg as spla
 from test_reference_cantilever import AXIAL, generated, node_map, reference_pressure
 
 import faying as fy
-from faying.assessment.natural_map import NaturalMap
 from faying.assessment.stuck_modes import stuck_mode
 from faying.contact import newton_descent
 from faying.contact.augmented import AugmentedContact
@@ -21,6 +20,7 @@ from faying.export.formats import export
 from faying.export.linearized import linearize
 from faying.joint.system import input_forces
 from faying.simulation.path import moved_alone, path_inputs
+from lap_joints import tiny_lap
 
 FRICTION, TANGENTIAL = 0.2, 8e5
 
@@ -136,72 +136,6 @@ def test_a_cycle_of_pulls_is_that_of_the_reference(gauss, mesh, data):
             )
 
 
-def random_path(rng, count):
-    """Loads that reverse: corners between which the path goes in steps."""
-    corners = rng.uniform(-1, 1, (4, 6)) * [2e3, 5e2, 5e2, 2e4, 2e4, 2e4]
-    names = ("tip.Fx", "tip.Fy", "tip.Fz", "tip.Mx", "tip.My", "tip.Mz")
-    shares = np.linspace(0, 3, count)
-    rows = [np.interp(shares, np.arange(4), column) for column in corners.T]
-    return [
-        fy.Load({}),
-        *(fy.Load(dict(zip(names, row, strict=True))) for row in np.transpose(rows)),
-    ]
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("friction", [0.05, 0.3, 1.0])
-@pytest.mark.parametrize("penalty", [1e4, 1e6, "hard"])
-def test_paths_of_reduced_models_are_those_of_the_full_one(friction, penalty):
-    """``compliance`` with no joint modes at all, along reversing paths."""
-    model = fy.lap_joint(element_size=5.0, penalty=penalty).with_bolt_forces({"bolt": 8e3})
-    model = model.with_friction(friction)
-    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
-    rng = np.random.default_rng(3)
-    loads = random_path(rng, 10)
-    full, reduced = (fy.solve_path(system, loads) for system in (model, rom))
-    # Round-off of S times the penalty; 1e-9 is measured at the stiffest.
-    for name in ("pressure", "traction"):
-        mine, exact = getattr(reduced, name), getattr(full, name)
-        np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-8 * full.max_pressure.max())
-    np.testing.assert_allclose(reduced.dissipation.sum(), full.dissipation.sum(), rtol=1e-7)
-    with pytest.raises(ModelError, match="take displacements with the full model"):
-        reduced.full_displacement()
-    moved, exact = fy.full_displacement(model, reduced), full.states
-    np.testing.assert_allclose(moved, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
-    check_law(full, friction)
-
-
-def check_law(solution, friction):
-    """No force outside the cone, friction only takes energy, what is open transmits nothing."""
-    normal = solution.contact_forces
-    shear = np.hypot(*np.moveaxis(solution.shear_forces, -2, 0))
-    small = 1e-9 * normal.max()  # the residual that is accepted
-    assert (normal >= -small).all()
-    assert (shear <= friction * normal + small).all()
-    assert (solution.dissipation >= -1e-9 * max(solution.dissipation.max(), 1e-6)).all()
-
-
-def test_interfaces_have_coefficients_of_their_own():
-    joint = fy.lap_joint(element_size=5.0, plates=3, penalty=1e6).with_bolt_forces({"bolt": 10e3})
-    model = joint.with_friction({"joint-1": 0.1, "joint-2": 0.4})
-    path = fy.solve_path(model, [fy.Load(), fy.Load({"tip.Fx": 4000.0})])
-    normal, shear = path.contact_forces[1], np.hypot(*path.shear_forces[1])
-    for name, friction in {"joint-1": 0.1, "joint-2": 0.4}.items():
-        at = model.contact.slices[name]
-        most = (shear[at] / np.where(normal[at] > 0, normal[at], np.inf)).max()
-        assert most == pytest.approx(friction, rel=1e-6)  # the pull makes something slip on both
-    # What is not named stays: one coefficient for all, by another way.
-    again = joint.with_friction(0.4).with_friction({"joint-1": 0.1})
-    same = fy.solve_path(again, [fy.Load(), fy.Load({"tip.Fx": 4000.0})])
-    np.testing.assert_array_equal(same.shear_forces, path.shear_forces)
-    half = joint.with_friction({"joint-2": 0.4})
-    assert half.interfaces["joint-1"].law.friction == 0
-    half_path = fy.solve_path(half, [fy.Load()])
-    assert not half_path.shear_forces[0][:, half.contact.slices["joint-1"]].any()
-    with pytest.raises(ModelError, match="no interface 'lap'; the interfaces are joint-1, joint-2"):
-        joint.with_friction({"lap": 0.1})
-
-
 def test_a_small_coefficient_is_frictionless(coarse):
     smooth = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
     load = LOADS["LC2"]
@@ -269,24 +203,6 @@ def test_turning_the_tangents_changes_nothing(gauss, solver_of):
     np.testing.assert_allclose(back, mine[1:], rtol=0, atol=small)
 
 
-@pytest.mark.parametrize("friction", [0.05, 0.3, 1.0])
-def test_increments_by_displacements_obey_the_law_of_forces(coarse, friction):
-    """Natural residual of random increments, each from the one before; the last is far away."""
-    rubbing, rng = coarse.with_friction(friction), np.random.default_rng(3)
-    equations, solver = NaturalMap.of(rubbing), rubbing.static_contact.increments
-    assert isinstance(solver, YieldingContact)
-    n, still = rubbing.contact.n_points, np.zeros(len(solver.S))
-    found = solver.solve(still, np.vstack([np.full((1, n), -1e-3), np.zeros((2, n))]))
-    for _ in range(20):
-        move = 3e-4 * (rng.standard_normal((3, 1)) + rng.standard_normal((3, n)))
-        z_free = move - np.array([[1e-3], [0], [0]])
-        found = solver.solve(still, z_free, found)
-        slack = equations.moved(found.forces) + equations.laws.closure(found.forces)[0] + z_free
-        tried = found.forces - equations.scale * slack
-        wrong = found.forces - equations.laws.admissible(tried)
-        assert np.abs(wrong).max() <= SOLVED * np.abs(found.forces).max()
-
-
 def test_a_path_without_loads_is_refused(coarse):
     with pytest.raises(ModelError, match=r"the path has no loads; give at least one, fy\.Load"):
         fy.solve_path(coarse, [])
@@ -308,9 +224,7 @@ def test_the_preloaded_joint_vibrates_with_its_closed_points_stuck(gauss):
 
 
 def test_tangents_that_give_no_way_are_the_limit_of_stiff_ones():
-    joint = fy.preload(
-        fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0), {"bolt": 5e3}
-    )
+    joint = fy.preload(tiny_lap(), {"bolt": 5e3})
     rigid = joint.with_friction(0.2, tangential_penalty=float("inf"))
     stiff = joint.with_friction(0.2, tangential_penalty=1e10)
     found = fy.preloaded_frequencies(rigid, 3)
@@ -395,7 +309,7 @@ def test_a_linear_hand_over_sticks_where_it_is_closed(coarse, tmp_path):
 
 
 def test_linear_joints_of_a_whole_basis_vibrate_as_the_full_one_does_stuck():
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e5)
+    model = tiny_lap(penalty=1e5)
     model = model.with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
     basis = fy.craig_bampton(model, normal_modes=len(model.structure.interior) - 1)
     found = linearize(fy.reduce(model, basis)).frequencies(5)

@@ -13,6 +13,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 import faying as fy
+from faying.exceptions import ModelError
 from faying.joint.system import input_forces
 
 CORNERS = np.array([2e3, 5e2, 5e2, 2e4, 2e4, 2e4])
@@ -187,6 +188,11 @@ def compare(model, loads, count=None):
     # Round-off of S times the penalty.
     np.testing.assert_allclose(reduced.pressure, path.pressure, rtol=0, atol=1e-8 * largest)
     np.testing.assert_allclose(reduced.traction, path.traction, rtol=0, atol=1e-8 * largest)
+    np.testing.assert_allclose(reduced.dissipation.sum(), path.dissipation.sum(), rtol=1e-7)
+    with pytest.raises(ModelError, match="take displacements with the full model"):
+        reduced.full_displacement()
+    moved, exact = fy.full_displacement(model, reduced), path.states
+    np.testing.assert_allclose(moved, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
     stiffest = max(law.penalty for law in model.contact.laws.values())
     full = (RigidFullOrder if stiffest == np.inf else FullOrder)(model)
     u, slip = np.zeros(model.K.shape[0]), np.zeros((2, full.n))

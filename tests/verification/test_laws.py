@@ -21,6 +21,7 @@ from faying.simulation.integrators import EnergyDecaying, ImplicitEuler
 from faying.simulation.solution import Solution
 from faying.simulation.static import relative_forces
 from faying.simulation.tightening import tightened_joint
+from lap_joints import tiny_lap
 
 STIFFNESS = 2e5
 PRELOAD = 8e3
@@ -305,7 +306,7 @@ def test_a_gasket_vibrates_along_its_lines():
     """Where a bolt was loosened: as an elastic layer, flat where pressure ends on them."""
     slope = 3e6
     gasket = fy.GasketClosure((0.0, 1e-5, 1e-4), (0.0, 2.0, 60.0), (slope, slope, slope))
-    joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    joint = tiny_lap()
     tight, loose = (
         joint.with_bolt_forces({"bolt": force}).with_closure(gasket).with_friction(0.3, 3e5)
         for force in (PRELOAD, PRELOAD / 4)

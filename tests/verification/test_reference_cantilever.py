@@ -1,7 +1,6 @@
 """The seed's cantilever as two programs made without faying solved it; see tests/data/README.md."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 import faying as fy
-from faying.io.nastran import write_deck
 from faying.joint.sticking import sticking_stiffness
 from faying.model.assembly import RigidCoupling, Spring, Support
 
@@ -240,25 +238,3 @@ def test_from_their_matrices(rule, mesh, data):
     np.testing.assert_allclose(
         np.sort(solution.pressure), np.sort(ours.pressure), rtol=0, atol=1e-8 * ours.max_pressure
     )
-
-
-def test_through_a_deck(gauss, tmp_path):
-    """Written as a Nastran deck and read again, the joint has the same pressures."""
-    model, _ = gauss
-    write_deck(model.assembly, tmp_path / "joint.bdf")
-    read = fy.read_nastran(
-        tmp_path / "joint.bdf",
-        interfaces=[replace(fy.InterfaceSpec(name="joint"), penalty=1e6)],
-        bolts=[fy.BoltSpec(name="bolt", elements=[model.assembly.beams[0].id])],
-        boundaries=[fy.BoundarySpec(name="tip", node=int(model.boundaries["tip"].nodes[0]))],
-        damping=model.damping,
-    ).with_bolt_forces({"bolt": 8000.0})
-    joint = read.interfaces["joint"]
-    np.testing.assert_array_equal(joint.pairs, model.interfaces["joint"].pairs)
-    springs = sticking_stiffness(joint, model.stuck["joint"], 1e6)
-    read = read.with_stiffness(springs, model.stuck)
-    for load in LOADS.values():
-        ours, theirs = fy.solve_static(model, load), fy.solve_static(read, load)
-        # Decks carry 16 digits; element formulation and constraints are those written.
-        small = 1e-9 * ours.max_pressure
-        np.testing.assert_allclose(theirs.pressure, ours.pressure, rtol=0, atol=small)

@@ -9,19 +9,14 @@ from faying.assessment.ring_down import Decay
 from faying.assessment.stuck_modes import stuck_mode
 from faying.exceptions import ModelError
 from faying.simulation.cycles import MOST_CYCLES
+from lap_joints import tiny_lap
 
 BETA = 3e-7
 
 
 @pytest.fixture(scope="module")
 def rom():
-    model = fy.lap_joint(
-        element_size=10.0,
-        hole_radius=0.0,
-        washer_radius=11.0,
-        penalty=1e6,
-        damping=fy.Rayleigh(alpha=0.0, beta=BETA),
-    )
+    model = tiny_lap(penalty=1e6, damping=fy.Rayleigh(alpha=0.0, beta=BETA))
     rubbing = model.with_bolt_forces({"bolt": 8e3}).with_friction(0.2)
     return fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=15), compliance=True)
 
@@ -74,7 +69,7 @@ def test_the_sign_of_a_mode_is_not_the_eigensolvers(rom, monkeypatch):
 @pytest.mark.long
 def test_a_joint_that_settles_is_not_damped_by_what_friction_takes():
     """Pulled and let go before, it slips on in every cycle, by energy that was left in it."""
-    slippery = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    slippery = tiny_lap(penalty=1e6)
     slippery = slippery.with_bolt_forces({"bolt": 8e3}).with_friction(0.05)
     rom = fy.reduce(slippery, fy.craig_bampton(slippery, normal_modes=10), compliance=True)
     path = [fy.Load({"tip.Fx": 200.0 * pull}) for pull in (0, 1, 2, 3, 4, 5, 4, 3, 2, 1, 0)]
@@ -145,6 +140,6 @@ def test_what_does_not_ring_is_refused(rom, arguments, options, message):
 
 
 def test_a_joint_without_friction_is_refused():
-    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    smooth = tiny_lap()
     with pytest.raises(ModelError, match="no interface has friction"):
         fy.ring_down(smooth, 1, 0.1)

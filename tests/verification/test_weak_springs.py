@@ -8,6 +8,7 @@ import pytest
 import faying as fy
 from faying.exceptions import ModelError
 from faying.joint.diagnosis import check_held
+from lap_joints import tiny_lap
 
 PULL = fy.Load({"tip.Fx": 300.0, "tip.Fz": -50.0}, name="pull")
 BOTH = ["lower-middle", "middle-upper"]
@@ -16,14 +17,7 @@ BOTH = ["lower-middle", "middle-upper"]
 @pytest.fixture(scope="module")
 def plates():
     """Three plates, of which the middle one carries the load and nothing but contact holds it."""
-    joint = fy.lap_joint(
-        element_size=10.0,
-        plates=3,
-        hole_radius=0.0,
-        washer_radius=11.0,
-        tip_suspension=(0.0, 0.0),
-        penalty=1e6,
-    )
+    joint = tiny_lap(plates=3, tip_suspension=(0.0, 0.0), penalty=1e6)
     return joint.with_bolt_forces({"bolt": 10e3})
 
 
@@ -104,15 +98,7 @@ def test_hard_contact_of_a_plate_on_weak_springs_is_the_limit_of_stiff_penalties
     """Eight-node facets have more points than displacements; the springs bring round-off."""
     forces = []
     for penalty in (np.inf, 1e11):
-        joint = fy.lap_joint(
-            element_size=10.0,
-            plates=3,
-            shape="hex20",
-            hole_radius=0.0,
-            washer_radius=11.0,
-            penalty=penalty,
-            quadrature="nodal",
-        )
+        joint = tiny_lap(plates=3, shape="hex20", penalty=penalty, quadrature="nodal")
         found = fy.solve_static(fy.preload(joint, {"bolt": 10e3}), fy.Load({"tip.Fz": -50.0}))
         forces.append(joint.contact.at_pairs(found.contact_forces))
     # What 1e11 N/mm³ gives way by: 4e-8 of the largest force, in proportion to 1 / penalty.

@@ -13,6 +13,7 @@ from faying import cli
 from faying.cli.tables import text_table
 from faying.joint.diagnosis import free_parts
 from faying.linalg.backends import available_backends
+from lap_joints import tiny_lap
 from small_nastran_deck import blocks
 
 SUPPORT = "SPC1,1,123,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15\n"
@@ -196,7 +197,7 @@ def test_what_can_move_is_told_before_it_is_refused(check, tmp_path):
 
 
 def test_joint_without_bolt_lets_one_body_go():
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    model = tiny_lap()
     loose = fy.build_model(
         type(model.assembly)(
             **{**vars(model.assembly), "beams": (), "rigid_couplings": ()},

@@ -8,12 +8,13 @@ import pytest
 import faying as fy
 from faying.export.linearized import boundary_names, linearize
 from faying.model.boundary import FORCE_NAMES, Boundary
+from lap_joints import tiny_lap
 
 
 @pytest.fixture(scope="module")
 def tiny():
     """A joint so coarse that all its modes are few."""
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e5)
+    model = tiny_lap(penalty=1e5)
     return fy.preload(model, {"bolt": 10e3})
 
 

@@ -6,8 +6,8 @@ import h5py
 import pytest
 from typer.testing import CliRunner
 
-import faying as fy
 from faying.cli import app
+from lap_joints import tiny_lap
 from small_study import NO_REPORT
 from stacked_cantilevers import Stack
 
@@ -94,5 +94,5 @@ def test_gaps_that_no_load_closes(said, tmp_path):
 
 
 def test_bodies_declare_no_area():
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    model = tiny_lap()
     assert model.interfaces["joint"].declared_area is None

@@ -15,6 +15,7 @@ from faying.model.elements.stiffness import stiffness_blocks
 from faying.model.matrices import assemble_matrices
 from faying.study.inputs.load_model import load_model
 from faying.study.keys.schema import read_study
+from lap_joints import tiny_lap
 from refusals import refuses
 from small_abaqus_deck import DECK, PARTS, SHANK, WOOD
 
@@ -837,7 +838,7 @@ def test_friction_becomes_the_law_of_its_interfaces(tmp_path, lines, expected, n
 
 
 def test_friction_is_written():
-    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    smooth = tiny_lap()
     spec = fy.InterfaceSpec(name="joint", penalty=1e6, friction=0.2, tangential_penalty=8e5)
     for change, expected in (
         ({}, "0.2,800000."),

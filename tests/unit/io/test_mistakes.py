@@ -22,6 +22,7 @@ from faying.study.judgement.model_warnings import bolt_doubts, doubts, uneven_se
 from faying.study.keys.load_files import read_history
 from faying.study.keys.schema import parse_study, read_study
 from faying.workflow.run import run
+from lap_joints import tiny_lap
 from refusals import refuses
 from small_abaqus_deck import DECK as ABAQUS
 from small_nastran_deck import blocks
@@ -262,7 +263,7 @@ def test_statics_need_no_mass(deck, tmp_path):
 
 
 def test_no_bolt_tightened():
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    model = tiny_lap()
     tightening = fy.tighten(model, {})
     assert tightening.initial_forces == {"bolt": 0.0}
     assert tightening.bolt_forces.shape == (0, 1)

@@ -5,18 +5,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import faying as fy
 from faying.exceptions import FormatError
 from faying.io.dmig import dmig_text
 from faying.io.matrices import read_matrices
 from faying.io.matrix_tables import read_dof_table
 from faying.io.op4 import write_op4
+from lap_joints import tiny_lap
 
 
 @pytest.fixture(scope="module")
 def origin():
     """A joint of few nodes, and the labels of its rows in another order than that of ids."""
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e5)
+    model = tiny_lap(penalty=1e5)
     mesh, free = model.assembly.mesh, model.dofs.free
     labels = np.column_stack([mesh.node_ids[free // 6], free % 6 + 1])
     return model, labels

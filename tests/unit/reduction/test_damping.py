@@ -9,6 +9,7 @@ import scipy.sparse as sp
 import faying as fy
 from faying.joint.free_matrices import FreeMatrices
 from faying.reduction.recovery import at_ports
+from lap_joints import tiny_lap
 
 ALPHA, BETA = 160.0, 5e-7
 
@@ -16,12 +17,7 @@ ALPHA, BETA = 160.0, 5e-7
 @pytest.fixture(scope="module")
 def damped():
     """A lap joint with a damper to ground at every degree of freedom, all of another strength."""
-    model = fy.lap_joint(
-        element_size=10.0,
-        hole_radius=0.0,
-        washer_radius=11.0,
-        damping=fy.Rayleigh(alpha=ALPHA, beta=BETA),
-    )
+    model = tiny_lap(damping=fy.Rayleigh(alpha=ALPHA, beta=BETA))
     strength = np.random.default_rng(0).uniform(0.0, 0.1, model.K.shape[0])
     matrices = FreeMatrices(
         form=lambda: (model.M, model.K, sp.diags_array(strength).tocsr()), damping=model.damping
@@ -57,6 +53,6 @@ def test_a_stiffer_model_is_damped_in_proportion(damped):
 
 
 def test_reductions_do_not_form_the_damping_matrix():
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    model = tiny_lap()
     fy.reduce(model, fy.craig_bampton(model, normal_modes=2), compliance=True)
     assert "C" not in vars(model.structure.matrices)

@@ -17,6 +17,7 @@ from faying.export.linearized import linearize
 from faying.linalg.singular import SingularMatrixError
 from faying.model.assembly import NodalLoads
 from faying.reduction.projection import for_moving_supports
+from lap_joints import tiny_lap
 
 LOAD = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
 TIMES = {"step": 2e-5, "duration": 30 * 2e-5}
@@ -220,9 +221,7 @@ def test_a_file_is_exported(before, saved):
 
 
 def test_reduced_model_outlives_the_full_one(tmp_path):
-    model = fy.preload(
-        fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0), {"bolt": 10e3}
-    )
+    model = fy.preload(tiny_lap(), {"bolt": 10e3})
     rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
     structure = weakref.ref(model.structure)
     watched = weakref.ref(model)

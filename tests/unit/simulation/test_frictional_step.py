@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-import faying as fy
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Hard, Penalty
@@ -16,6 +15,7 @@ from faying.exceptions import ModelError
 from faying.simulation.step_contact import EndContact, MeanContact, _start
 from faying.simulation.stepping import transient_solver
 from few_points import ELASTIC, ELASTIC_YIELD, LAWS, PAIRS, SAME, YIELD, N, check_forces, joint
+from lap_joints import tiny_lap
 
 GAP = np.array([0.02, -0.05, 0.0, 0.03, -0.01, 0.0])
 
@@ -258,7 +258,7 @@ def test_a_mean_tells_no_force_of_a_rigid_point(normal, tangential):
 
 def test_steps_of_many_pairs_begin_with_the_points_that_bolts_press_on(monkeypatch):
     """As the joint at rest does; few pairs, which are factorized whole, ask nothing of it."""
-    joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    joint = tiny_lap()
     joint = joint.with_bolt_forces({"bolt": 8e3}).with_friction(0.2)
     few = transient_solver(joint, step=1e-5).condensed.increments.pairs.glued.springs
     assert few.all()

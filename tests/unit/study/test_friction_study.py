@@ -35,6 +35,7 @@ from faying.study.results.store import read_results
 from faying.study.stages.path_cases import rest_state
 from faying.units import units_of
 from faying.workflow.run import run
+from lap_joints import tiny_lap
 from small_study import NO_REPORT, reduction, static, tiny_joint
 from table_cells import cells
 
@@ -228,7 +229,7 @@ def tightening(results):
 
 
 def build_smooth(results):
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    model = tiny_lap(penalty=1e6)
     return fy.tighten(model, {"bolt": 5e3}).initial_forces["bolt"]
 
 
@@ -447,7 +448,7 @@ def test_friction_after_tightening_begins_without_traction(tmp_path):
 @pytest.mark.parametrize("given", ["penalty", "friction"])
 def test_hard_friction_at_more_points_than_pairs_is_refused(given):
     """Before anything is computed, whichever comes last; alone each is as good as any."""
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e5)
+    model = tiny_lap(penalty=1e5)
     model = model.with_friction(0.2) if given == "penalty" else model.with_penalty(np.inf)
     message = r"interface 'joint': .* hard, with friction, at 32 points .* 15 node pairs; .*'nodal'"
     with pytest.raises(ModelError, match=message):
@@ -486,11 +487,16 @@ preload = 1e3
 
 
 def test_interfaces_take_tangential_penalties_of_their_own():
-    joint = fy.lap_joint(element_size=10.0, plates=3, hole_radius=0.0, washer_radius=11.0)
+    joint = tiny_lap(plates=3)
     model = joint.with_friction({"joint-1": 0.2, "joint-2": 0.1}, {"joint-1": 5e5})
     first, second = (model.interfaces[name].law for name in ("joint-1", "joint-2"))
     assert (first.friction, first.tangential_penalty) == (0.2, 5e5)
-    assert second == joint.with_friction({"joint-2": 0.1}).interfaces["joint-2"].law
+    other = joint.with_friction({"joint-2": 0.1})
+    assert second == other.interfaces["joint-2"].law
+    # What is not named stays.
+    assert other.interfaces["joint-1"].law.friction == 0
+    again = joint.with_friction(0.1).with_friction({"joint-1": 0.2}, {"joint-1": 5e5})
+    assert [face.law for face in again.interfaces.values()] == [first, second]
     with pytest.raises(ModelError, match="'joint-1' has a tangential penalty and no coefficient"):
         joint.with_friction({"joint-2": 0.1}, tangential_penalty={"joint-1": 5e5})
     with pytest.raises(ModelError, match="there is no interface 'joint'"):
@@ -498,7 +504,7 @@ def test_interfaces_take_tangential_penalties_of_their_own():
 
 
 def test_specs_and_models_take_the_same_friction():
-    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    smooth = tiny_lap()
     spec = fy.InterfaceSpec(name="joint", friction=0.2)
     built = fy.build_model(smooth.assembly, interfaces=[spec])
     assert built.interfaces["joint"].law == smooth.with_friction(0.2).interfaces["joint"].law
@@ -517,7 +523,7 @@ def test_specs_and_models_take_the_same_friction():
 
 
 def test_a_joint_that_nothing_but_friction_holds_is_refused_with_the_direction():
-    smooth = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    smooth = tiny_lap()
     loose = replace(smooth.assembly, beams=(), rigid_couplings=smooth.assembly.rigid_couplings[:1])
     spec = fy.InterfaceSpec(name="joint", friction=0.5)
     model = fy.build_model(loose, interfaces=[spec])

@@ -9,6 +9,7 @@ from faying.interface.gap_field import with_gap_offset
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
+from lap_joints import tiny_lap
 from small_study import reduction, tiny_joint
 
 SMALL = reduction("compliance") + tiny_joint(preload="10e3")
@@ -23,7 +24,7 @@ def study(folder, extra):
 
 @pytest.fixture(scope="module")
 def bare():
-    return fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    return tiny_lap()
 
 
 def shim_file(folder, model):

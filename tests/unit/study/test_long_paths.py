@@ -13,6 +13,7 @@ from faying.simulation.start import last_of
 from faying.study.stages import books, path_cases
 from faying.study.stages.books import Books
 from faying.study.stages.path_cases import IncrementalCase, follow_path
+from lap_joints import tiny_lap
 
 LOADS = [fy.Load({"tip.Fx": 600.0 * np.sin(0.4 * one)}) for one in range(1, 12)]
 FIELDS = ("contact_forces", "shear_forces", "shear_slip", "gap", "states", "dissipation")
@@ -21,7 +22,7 @@ FIELDS = ("contact_forces", "shear_forces", "shear_slip", "gap", "states", "diss
 @pytest.mark.parametrize("reduced", [False, True], ids=["full", "reduced"])
 def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch, reduced):
     """Stopped after eight of eleven increments: the numbers of all of them at once, to the bit."""
-    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e6)
+    model = tiny_lap(penalty=1e6)
     joint = model.with_friction(0.2).with_bolt_forces({"bolt": 5e3})
     basis = fy.craig_bampton(joint, normal_modes=4)
     system = fy.reduce(joint, basis, compliance=True) if reduced else joint

@@ -22,6 +22,7 @@ from faying.study.results.store import read_results
 from faying.study.stages import normal_modes
 from faying.units import units_of
 from faying.workflow.run import run
+from lap_joints import tiny_lap
 from small_study import NO_REPORT, TINY_JOINT, reduction, step
 
 TIMES = "step = 2e-5\nduration = 4e-4\n"
@@ -49,12 +50,7 @@ def modes_of(model):
 
 @pytest.fixture(scope="module")
 def shaken():
-    model = fy.lap_joint(
-        element_size=10.0,
-        hole_radius=0.0,
-        washer_radius=11.0,
-        damping=fy.Rayleigh(alpha=0.0, beta=1e-6),
-    )
+    model = tiny_lap(damping=fy.Rayleigh(alpha=0.0, beta=1e-6))
     return fy.preload(model, {"bolt": 5e3})
 
 

@@ -10,6 +10,7 @@ from faying.exceptions import FayingError
 from faying.study.inputs.load_model import build
 from faying.study.inputs.loads import case_load
 from faying.study.keys.schema import read_study
+from lap_joints import tiny_lap
 
 STUDY = """
 [model]
@@ -53,7 +54,7 @@ def test_a_study_takes_a_temperature_as_python_does(study):
     steel = model.assembly.materials[1]
     assert steel.expansion == 12e-6
     again = fy.with_temperature(
-        fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, material=steel),
+        tiny_lap(material=steel),
         "hot",
         fy.Temperature(reference=20.0, parts={"upper": 120.0, "bolt": 70.0}),
     )
