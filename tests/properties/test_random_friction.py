@@ -39,6 +39,12 @@ def test_paths_that_newton_steps_alone_do_not_solve(joints, index):
     assert all(not one.refused and one.residual <= 2 * SOLVED for one in found)
 
 
+@pytest.mark.parametrize("index", [657, 1264, 3326, 3392])
+def test_increments_of_few_digits_are_solved_to_all_they_have(joints, index):
+    """A last stage whose Newton steps ended at 7e-10, and nearly singular S, left up to 3e-6."""
+    assert all(one.residual <= 1e-11 for one in outcomes(index, joints))
+
+
 @pytest.mark.long
 def test_stages_that_go_astray_from_where_a_load_left_begin_anew(joints):
     """Few hard points under friction, of which the third increment has a solution elsewhere."""

@@ -277,7 +277,7 @@ class LoosenedAugmented:
             if left <= SETTLED and residual <= ROUND_OFF and change >= left:
                 break  # round-off: further stages gain nothing
             previous, left = left, change
-            residual = left / solver.levels[level].hardness
+            residual = max(left / solver.levels[level].hardness, following.residual)
             if begun is not None and left <= 10.0 * ROUND_OFF:
                 break  # a problem that starts at its solution keeps its last digits
             forces, initial, begun, anew = following.forces, initial_forces, None, False

@@ -22,6 +22,7 @@ from faying.contact.increment import (
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import solve_yielding
 from faying.contact.sparse_pairs import SparsePairs
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 
 STIFFEST = 1e4
@@ -101,7 +102,7 @@ class YieldingContact(BetweenSolver):
             stiffness = solver.pairs.points.of_diagonal(springs).diagonal()
             stiff = stiffness > STIFFEST * solver.pairs.own_stiffness
         else:
-            stiff = springs.ravel() * moved_singly(contact.rows, between) > STIFFEST
+            stiff = springs.ravel() * solver._moved_singly > STIFFEST
         if stiff.any():
             message = "contact is far stiffer than the structure"
             raise LinAlgError(message)
@@ -146,11 +147,15 @@ class YieldingContact(BetweenSolver):
         check_gaps(free)
         try:
             increment = self._solve_on(self.pairs, free, offset, start)
+            moved = displaced(self, free, increment.forces)
+            if self._differ(increment, moved):
+                increment = self._about(increment, moved, offset, start)
+                moved = displaced(self, free, increment.forces)
         except ConvergenceError:
             if self.otherwise is None or self.contact.remembers:
                 raise
             return self.otherwise.solve(free, offset, start)
-        return replace(increment, moved=displaced(self, free, increment.forces))
+        return replace(increment, moved=moved)
 
     def loosened(self, springs: ForcedSprings) -> "LoosenedContact":
         """Return the solver with springs of prescribed force."""
@@ -170,6 +175,37 @@ class YieldingContact(BetweenSolver):
         yields = springs.yields + columns @ shapes.T
         pairs = self.pairs.loosened(shapes, yields) if len(columns) else self.pairs
         return Across(pairs=pairs, columns=columns, shapes=shapes, yields=yields)
+
+    def _differ(self, increment: Increment, moved: Vector) -> bool:
+        """Return whether displacements (n_relative,) are others than those of an increment.
+
+        By more at a point than a force would move it that is what may remain of an increment.
+        """
+        apart = np.abs(self.contact.rows @ (increment.moved - moved))
+        largest = np.abs(increment.forces).max(initial=0.0)
+        return bool((apart > SOLVED * largest * self._moved_singly).any())
+
+    @cached_property
+    def _moved_singly(self) -> Vector:
+        """Compliance of each row (n_row,) [length/force] if each pair moved alone."""
+        if self.shapes is None:
+            return moved_singly(self.contact.rows, self.between)
+        return np.asarray(np.square(self.contact.rows @ self.shapes).sum(axis=1))
+
+    def _about(
+        self, increment: Increment, moved: Vector, offset: Matrix, start: Increment | None
+    ) -> Increment:
+        """Return the solution about the forces of an increment, which move the pairs by ``moved``.
+
+        Σ y then has the digits of what is left: with ill-conditioned S it lacks some of the whole.
+        """
+        p = self.contact.at_pairs(increment.forces[0], increment.forces[1:])
+        pull = p if self.shapes is None else self.shapes.T @ p
+        nothing = np.zeros(len(pull))
+        about = replace(increment, moved=nothing, deepest=None if start is None else start.deepest)
+        offset = offset + self.contact.moved(moved)
+        further = solve_yielding(self.laws, self.pairs, nothing, offset, about, pull=pull)
+        return replace(further, iterations=increment.iterations + further.iterations)
 
     def _solve_on(
         self,
@@ -194,7 +230,8 @@ class YieldingContact(BetweenSolver):
             # Spring forces displace the pairs too, and support parts that nothing else holds.
             start = replace(start, moved=self.coordinates(start.moved - free))
         nothing = np.zeros(shapes.shape[1])
-        return solve_yielding(laws, pairs, nothing, at_first, start, pull=pull, moved_by=moved_by)
+        found = solve_yielding(laws, pairs, nothing, at_first, start, pull=pull, moved_by=moved_by)
+        return replace(found, moved=free + shapes @ found.moved)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -223,7 +260,7 @@ class LoosenedContact:
     ) -> tuple[Increment, Vector]:
         """Solve one increment; see :meth:`.ForcedContact.solve`."""
         check_gaps(free)
-        across, shapes = self._across, self.solver.shapes
+        across = self._across
         pull = across.shapes.T @ across.taken(elongations)
         try:
             increment = self.solver._solve_on(across.pairs, free, offset, start, pull)
@@ -231,11 +268,8 @@ class LoosenedContact:
             if self._otherwise is None or self.solver.contact.remembers:
                 raise
             return self._otherwise.solve(free, offset, elongations, about, start)
-        moved = increment.moved if shapes is not None else increment.moved - free
-        initial = across.taken(elongations - across.shapes @ moved)
-        if shapes is not None:
-            increment = replace(increment, moved=free + shapes @ moved)
-        return increment, initial
+        moved = self.solver.coordinates(increment.moved - free)
+        return increment, across.taken(elongations - across.shapes @ moved)
 
 
 def moved_singly(rows: SparseMatrix, between: BetweenPairs) -> Vector:
