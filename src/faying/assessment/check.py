@@ -49,6 +49,8 @@ class Check:
         Whether the study requires the check; strength is checked in any case.
     bound
         Whether the value is a bound over the scatter for the discretized model; else a sample.
+    beyond
+        Whether the value is the largest load factor that was tried, and the true one is above.
     """
 
     part: str
@@ -66,6 +68,7 @@ class Check:
     source: str = ""
     required: bool = False
     bound: bool = False
+    beyond: bool = False
 
     def at_most(self, value: float, limit: float) -> "Check":
         """Return the check of a value against an upper limit."""

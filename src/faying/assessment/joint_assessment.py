@@ -1,6 +1,6 @@
 """Assessment of a joint over its load cases: bolts, interfaces and requirements."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +23,7 @@ from faying.assessment.requirements import Requirements
 from faying.assessment.slip_demand import NO_DEMAND, SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.preload_ends import LEAST
-from faying.assessment.verdicts import verdicts
+from faying.assessment.verdicts import verdicts, wanted_clamps
 from faying.digits import DECK_DIGITS
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import contact_areas, nearest_bolts
@@ -114,20 +114,45 @@ def judged(
             )
         ),
         open_below=limits.open_share,
+        followed={case: path.followed for case, path in followed_paths.items()},
     )
 
 
-LOOSE = ("opening", "slip")
+LOOSE = ("opening", "slip", "sliding")
 """Quantities judged at the least preloads."""
 
 
-def loosest_checks(loose: Assessment, units: Units) -> tuple[Check, ...]:
-    """Return the checks of opening and slip of a joint assessed at P_p,min."""
+def loosest_checks(
+    loose: Assessment, units: Units, reserves: Mapping[str, SlipReserve]
+) -> tuple[Check, ...]:
+    """Return the checks of opening, slip and sliding of a joint assessed at P_p,min."""
     return tuple(
         replace(check, scatter=LEAST)
-        for check in joint_checks(loose, units)
+        for check in joint_checks(loose, units, reserves)
         if check.quantity.split(" at ")[0] in LOOSE and check.outcome != "unknown"
     )
+
+
+DISSIMILAR = (
+    "its preloads scatter, and loads with friction are not solved there: gaps, a curve of closure "
+    "or bolts that scatter differently keep it from changing in proportion; run the study at the "
+    "smallest preloads, without scatter"
+)
+"""Reason of unknown checks at P_p,min."""
+
+
+def dissimilar_checks(found: Assessment, limits: Requirements) -> Iterator[Check]:
+    """Yield unknown checks of interfaces with friction whose states at P_p,min are not similar."""
+    required = {
+        "opening": limits.min_opening_factor is not None,
+        "sliding": limits.min_sliding_factor is not None,
+    }
+    for name in found.interfaces:
+        clamped = name in wanted_clamps(limits.min_clamp_force, found.interfaces)
+        quantities = {"clamp force" if clamped else "clamp loss": clamped, **required}
+        for quantity, asked in quantities.items():
+            unknown = Check(part=name, kind="interface", quantity=quantity, scatter=LEAST)
+            yield replace(unknown, reason=DISSIMILAR, required=asked)
 
 
 def _interface(

@@ -55,7 +55,10 @@ def joint_checks(
             if (check.kind, check.part) == ("interface", name)
         ]
         opened = _opening_check(name, interface, found.open_below)
-        nominal = [*opened, *_interface_checks(name, interface, demands, reserves or {}, units)]
+        nominal = [
+            *opened,
+            *_interface_checks(name, interface, demands, reserves or {}, found.followed, units),
+        ]
         checks += _worse_ends([*at_ends, *nominal])
     return tuple(checks)
 
@@ -104,7 +107,7 @@ def _bolt_checks(
     yield from _most_used([*clamps, *losses])
     demand = demands.get("min_opening_factor", ())
     openings = [
-        _least_factor(blank(quantity=f"opening at {place}"), factors, demand)
+        _followed_factor(blank(quantity=f"opening at {place}"), factors, demand, found.followed)
         for place, factors in bolt.opening_around.items()
         if factors and bolt.clamp_around[place].preload > 0
     ]
@@ -138,6 +141,7 @@ def _interface_checks(
     interface: InterfaceAssessment,
     demands: Mapping[str, Sequence[Verdict]],
     reserves: Mapping[str, SlipReserve],
+    followed: Mapping[str, float],
     units: Units,
 ) -> Iterator[Check]:
     blank = partial(Check, part=name, kind="interface")
@@ -180,7 +184,7 @@ def _interface_checks(
     if unknown:
         yield replace(opening, reason=unknown[0], required=True)
     elif interface.preload > 0 and interface.opening:
-        yield _least_factor(opening, interface.opening, factors)
+        yield _followed_factor(opening, interface.opening, factors, followed)
     yield from _slip(name, interface, demands, reserves)
 
 
@@ -231,23 +235,35 @@ def _sliding(
     check: Check, reserves: Mapping[str, SlipReserve], demands: Sequence[Verdict]
 ) -> Check:
     """Return the check of the factors at which an interface slides, or at which its path ended."""
-    factors = {
-        case: reserve.gross_slip
+    slid = {
+        case: np.inf
+        if reserve.gross_slip is None or reserve.slides != check.part
+        else reserve.gross_slip
         for case, reserve in reserves.items()
-        if reserve.gross_slip is not None and reserve.slides == check.part
     }
-    slid = _least_factor(check, factors, demands) if factors else check
-    if slid.outcome == "not met":
-        return slid
     followed = {
         case: reserve.largest if reserve.gross_slip is None else reserve.gross_slip
         for case, reserve in reserves.items()
     }
-    held = _least_factor(check, followed, demands)
+    return _followed_factor(check, slid, demands, followed)
+
+
+def _followed_factor(
+    check: Check,
+    factors: Mapping[str, float],
+    demands: Sequence[Verdict],
+    followed: Mapping[str, float],
+) -> Check:
+    """Return the check of the smallest load factor, where cases were followed up to others."""
+    known = _least_factor(check, factors, demands)
+    if known.outcome == "not met":
+        return known
+    reached = {case: min(factor, followed.get(case, np.inf)) for case, factor in factors.items()}
+    held = _least_factor(check, reached, demands)
     if held.outcome == "met":
-        return held
-    reached = f"it holds up to {held.value:.3g} times {held.case}, where the path ends"
-    return replace(check, reason=reached, required=held.required)
+        return replace(held, beyond=held.value is not None and factors[held.case] > held.value)
+    reason = f"it holds up to {held.value:.3g} times {held.case}, where the path ends"
+    return replace(check, reason=reason, required=held.required)
 
 
 def _least_factor(

@@ -12,19 +12,20 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import Certifier, certifier
-from faying.assessment.joint_assessment import judged, loosest_checks
+from faying.assessment.joint_assessment import dissimilar_checks, judged, loosest_checks
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
-from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.slip_reserve import SlipReserve, followed_openings
 from faying.assessment.strength.checks import with_threads
 from faying.assessment.strength.clamp_ends import clamp_checks
 from faying.assessment.strength.preload_ends import (
     BoltStrengths,
     PreloadEnd,
+    least_share,
     loosest_forces,
     preload_ends,
     state_of,
@@ -84,6 +85,8 @@ class JointJudge:
         Load case to its openings, for cases that were followed before.
     scatter
         Scatter of the preloads, for spreads of the metrics of each static load case.
+    rest
+        Solution of the preloaded state, of joints with friction.
     """
 
     system: Model | ReducedModel
@@ -99,6 +102,7 @@ class JointJudge:
     reserves: Mapping[str, SlipReserve] = field(default_factory=dict)
     openings: Mapping[str, Openings] = field(default_factory=dict)
     scatter: PreloadScatter | None = None
+    rest: Solution | None = None
 
     @cached_property
     def memoryless(self) -> Mapping[str, NamedLoad]:
@@ -106,10 +110,9 @@ class JointJudge:
         return {load.name: load for load in self.loads if self.system.contact.forgets}
 
     @property
-    def solved_anew(self) -> Mapping[str, NamedLoad]:
-        """Static load cases, by name, to solve at other preloads: without friction."""
-        smooth = self.system.contact.components == 1
-        return {load.name: load for load in self.loads if smooth}
+    def rubbing(self) -> Solution | None:
+        """The preloaded state of a joint with friction, else None."""
+        return None if self.system.contact.components == 1 else self.rest
 
     @cached_property
     def surfaces(self) -> Mapping[str, ContactSurface]:
@@ -171,10 +174,11 @@ class JointJudge:
             self.exact,
             self.preloaded,
             histories,
-            self.solved_anew,
+            {load.name: load for load in self.loads},
             strengths.ranges,
             strengths.tightened,
             strengths.temperatures,
+            self.rubbing,
         )
 
     def at_ends(self, assessment: Assessment, ends: Sequence[PreloadEnd]) -> Assessment:
@@ -185,9 +189,14 @@ class JointJudge:
         initial = loosest_forces(system, self.preloaded, self.strengths.ranges)
         if initial is None:
             return replace(assessment, checks=clamps)
-        paths = self._paths(assessment.opening_first, initial)
-        loose = self._assess(paths, self._demands(initial))
-        loosened = loosest_checks(loose, units_of(units))
+        share = least_share(self.rubbing, self.preloaded, self.strengths.ranges)
+        if self.reserves and share is None:
+            unknown = (*clamps, *dissimilar_checks(assessment, self.requirements))
+            return replace(assessment, checks=unknown)
+        reserves = {case: reserve.scaled(share or 1.0) for case, reserve in self.reserves.items()}
+        paths = {**self._paths(assessment.opening_first, initial), **followed_openings(reserves)}
+        loose = self._assess(paths, self._demands(initial), reserves=reserves)
+        loosened = loosest_checks(loose, units_of(units), reserves)
         return replace(assessment, checks=clamps, loosened=loosened)
 
     def with_strength(
@@ -210,6 +219,7 @@ class JointJudge:
         paths: Mapping[str, Openings],
         demands: Mapping[tuple[str, str], SlipDemand],
         opens: Mapping[str, CaseState] = MappingProxyType({}),
+        reserves: Mapping[str, SlipReserve] | None = None,
     ) -> Assessment:
         return judged(
             self.surfaces,
@@ -218,7 +228,7 @@ class JointJudge:
             self.cases,
             self.requirements,
             paths,
-            self.reserves,
+            self.reserves if reserves is None else reserves,
             demands,
             opens,
         )

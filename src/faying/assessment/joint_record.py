@@ -1,7 +1,7 @@
 """Results of a joint over its load cases, as plain values."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -142,6 +142,16 @@ class CaseState:
     retightened: bool = False
     times: Vector | None = None
 
+    def scaled(self, share: float) -> "CaseState":
+        """Return a share of pressures, forces and moments, without certified bounds."""
+        return replace(
+            self,
+            pressure=share * self.pressure,
+            bolt_forces={name: share * force for name, force in self.bolt_forces.items()},
+            bolt_moments={name: share * moment for name, moment in self.bolt_moments.items()},
+            certified={},
+        )
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltAssessment:
@@ -280,6 +290,8 @@ class Assessment:
         Strength of the bolts with known threads, each in its most critical case.
     loosened
         Opening and slip with all preloads at their least; empty without scatter.
+    followed : [1]
+        Load case to the largest factor at which its openings were looked for.
     """
 
     bolts: Mapping[str, BoltAssessment]
@@ -289,6 +301,7 @@ class Assessment:
     open_below: float = OPEN_BELOW
     checks: tuple[Check, ...] = ()
     loosened: tuple[Check, ...] = ()
+    followed: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def met(self) -> bool:

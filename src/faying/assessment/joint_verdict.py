@@ -8,7 +8,7 @@ import numpy as np
 
 from faying.assessment.check import Check, Outcome, PartKind, worst_check
 from faying.assessment.joint_record import REST
-from faying.display.quantities import number, percent, quantity
+from faying.display.quantities import as_given, number, percent, quantity
 from faying.units import Units
 
 AT_LEAST = (
@@ -189,14 +189,15 @@ def share_used(check: Check) -> str:
         return f"{check.outcome} ({amount})" if amount else check.outcome
     if not np.isfinite(check.utilisation):
         return "lost"
-    return percent(check.utilisation) if check.utilisation < 1e3 else "> 1000 ×"
+    under = "< " if check.beyond else ""
+    return f"{under}{percent(check.utilisation)}" if check.utilisation < 1e3 else "> 1000 ×"
 
 
 def amount_of(check: Check) -> str:
     """Return value and limit as text; empty where a check has no value."""
     if check.value is None or check.limit is None:
         return ""
-    value, limit = number(check.value, 4), f"{check.limit:.5g}"
+    value, limit = number(check.value, 4), as_given(check.limit)
     if check.quantity.startswith(AT_LEAST):
         return f"{quantity(check.value, check.unit, 4)}, {limit} needed"
     return f"{value} of {limit} {check.unit}".rstrip()

@@ -1,7 +1,7 @@
 """Slip reserve: load factors at which a joint begins to slip, and at which it slips as a whole."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -97,6 +97,13 @@ class SlipReserve:
         # Arrays from the file of an interrupted run.
         object.__setattr__(self, "areas", tuple(map(str, self.areas)))
         object.__setattr__(self, "openings", tuple(map(float, self.openings)))
+
+    def scaled(self, share: float) -> "SlipReserve":
+        """Return a share of all load factors: those at a share of all preloads, if similar."""
+        names = ("first_slip", "onset", "share_slip", "gross_slip", "largest")
+        factors = {name: getattr(self, name) for name in names}
+        shares = {name: share * factor for name, factor in factors.items() if factor is not None}
+        return replace(self, openings=tuple(share * np.array(self.openings)), **shares)
 
 
 def slip_reserve(

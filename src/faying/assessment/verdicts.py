@@ -41,7 +41,8 @@ def verdicts(
     yield from _opening_verdict(requirements.no_opening_within, surfaces, bolts, preloaded, cases)
     yield from _opening_verdicts(requirements.min_opening_factor, paths)
     if bolts or not reserves:
-        yield from _slip_verdict(requirements.min_slip_safety, interfaces)
+        remedy = SLIDING_INSTEAD if reserves else NO_SUMS
+        yield from _slip_verdict(requirements.min_slip_safety, interfaces, remedy)
     else:
         yield from _sliding_verdict("min_slip_safety", requirements.min_slip_safety, reserves)
     yield from _sliding_verdict("min_sliding_factor", requirements.min_sliding_factor, reserves)
@@ -151,7 +152,7 @@ def _least_factor(
 
 
 def _slip_verdict(
-    limit: float | None, interfaces: Mapping[str, InterfaceAssessment]
+    limit: float | None, interfaces: Mapping[str, InterfaceAssessment], remedy: str
 ) -> Iterator[Verdict]:
     """Yield the verdict on S_G of interfaces with a coefficient, all shear by friction."""
     if limit is None:
@@ -165,7 +166,7 @@ def _slip_verdict(
     for name, slip in asked.items():
         if slip.unknown:
             reason = f"what is carried along it is not known: {slip.unknown}"
-            yield Verdict.unknown("min_slip_safety", limit, f"{reason}; {NO_SUMS}", name)
+            yield Verdict.unknown("min_slip_safety", limit, f"{reason}; {remedy}", name)
         safeties |= {(name, case): safety for case, safety in slip.safety.items()}
     if safeties:
         (name, case), safety = find_least(safeties)
@@ -195,10 +196,10 @@ def _sliding_verdict(
 
 
 NO_SUMS = (
-    "leave it out of slip_friction, add a sticking area, or demand min_sliding_factor of a joint "
-    "with friction"
+    "leave it out of slip_friction, or give the interface 'friction' and demand min_sliding_factor"
 )
-"""Remedy where slip by sums is unknown."""
+SLIDING_INSTEAD = "demand min_sliding_factor in place of min_slip_safety: load paths answer it"
+"""Remedies where slip by sums is unknown."""
 
 NO_FRICTION = "it is judged by static loads and cycles of joints with friction, and there is none"
 """Reason for unknown sliding without load paths with friction."""

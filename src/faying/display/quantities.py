@@ -25,6 +25,18 @@ def number(value: float, digits: int = 3) -> str:
     return f"{mantissa}e{power}".replace("-", "−", 1 if value < 0 else 0)
 
 
+def as_given(value: float, digits: int = 5) -> str:
+    """Return a number of a study as :func:`number` does, without zeros that end its decimals.
+
+    Examples
+    --------
+    >>> as_given(640.0), as_given(6.4e8), as_given(0.05), as_given(40e3)
+    ('640', '6.4e8', '0.05', '40000')
+    """
+    mantissa, e, power = number(value, digits).partition("e")
+    return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + e + power
+
+
 def _plain(value: float, decimals: int) -> str:
     return f"{value:.{decimals}f}".replace("-", "−")
 

@@ -251,7 +251,7 @@ def _reason_unknown(model: Model, name: str, pierced: Mapping[str, float], label
     if not sticks and _held_elsewhere(model, name, pierced, labels):
         return (
             "its sides are held together elsewhere too, by supports, ties or other interfaces, and "
-            "no pairs stick, so that its share is unknown"
+            "no pairs stick ([sticking]), so that its share is unknown"
         )
     return ""
 

@@ -18,7 +18,8 @@ from faying.assessment.joint_verdict import (
     shown_quantity,
     verdict_rows,
 )
-from faying.display.table import MARKS, Column, Table, described
+from faying.display.quantities import as_given, number
+from faying.display.table import MARKS, Cell, Column, Table, described
 from faying.files.atomic import write_text
 from faying.report.errors import (
     choice_table,
@@ -191,17 +192,27 @@ def _deciding_scatter(check: Check) -> str | None:
     return f"{check.scatter}, {'bound' if check.bound else 'sample'}"
 
 
+def _used(check: Check) -> Cell | float | None:
+    """Return the utilisation in percent; a bound where the value is one."""
+    if check.utilisation is None or not check.beyond:
+        return None if check.utilisation is None else 100 * check.utilisation
+    return Cell(text=f"< {number(100 * check.utilisation)}")
+
+
+def _found(check: Check) -> Cell | float | None:
+    """Return the value; a bound where it is the largest load factor that was tried."""
+    if check.value is None or not check.beyond:
+        return check.value
+    return Cell(text=f"> {as_given(check.value)}")
+
+
 def check_table(verdict: JointVerdict) -> Table:
     """Return the table of all checks of a verdict."""
     columns = (
         Column("check", lambda judged: judged.quantity),
         Column("verdict", lambda judged: judged.outcome),
-        Column(
-            "used",
-            lambda judged: None if judged.utilisation is None else 100 * judged.utilisation,
-            "%",
-        ),
-        Column("found", lambda judged: judged.value, "", 5),
+        Column("used", _used, "%"),
+        Column("found", _found, "", 5),
         Column("allowed", lambda judged: judged.limit, "", 5),
         Column("unit", lambda judged: judged.unit or None),
         Column("load case", lambda judged: judged.case or None),

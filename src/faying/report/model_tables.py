@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from faying.display.quantities import quantity
+from faying.display.quantities import as_given, quantity
 from faying.display.table import Column, Table, described
 from faying.interface.surface import curve_of
 from faying.study.judgement.model_warnings import kept_share
@@ -140,7 +140,7 @@ def _force(force: dict[str, object], units: Units) -> str:
     if not isinstance(value, int | float):
         return f"{target} from {force.get('file')}"
     if name is not None:
-        return f"{value:g} × {target}".replace("-", "−")
+        return f"{as_given(value)} × {target}"
     is_moment = str(force["component"]).startswith("M")
     unit = f"{units.force}·{units.length}" if is_moment else units.force
-    return f"{target} = {value:g} {unit}".replace("-", "−")
+    return f"{target} = {as_given(value)} {unit}"

@@ -9,7 +9,7 @@ import numpy as np
 from faying.assessment.backbone_response import HONEST
 from faying.assessment.joint_record import Assessment, CaseState, ClampRange
 from faying.assessment.preload_scatter import Spread
-from faying.display.quantities import number, percent, place
+from faying.display.quantities import as_given, number, percent, place
 from faying.display.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.report.figures.album import Album, FigureEntry
 from faying.report.figures.backbone import (
@@ -120,6 +120,7 @@ class _Area:
 
     clamp: ClampRange
     opening: Mapping[str, float]
+    followed: Mapping[str, float]
     closed: float | None = None
     closed_case: str | None = None
     gap: float | None = None
@@ -133,7 +134,7 @@ def clamp_table(areas: Mapping[str, _Area], units: Units) -> Table:
         Column("smallest", lambda area: area.clamp.least, "force", 5),
         Column("in", lambda area: area.clamp.least_case),
         Column("certified to ±", lambda area: _half(area.clamp), "force", 2),
-        Column("opens at", lambda area: _least(area.opening), "× load"),
+        Column("opens at", lambda area: _least(area), "× load"),
         Column("in", lambda area: _least_case(area.opening)),
         Column("smallest area under pressure", lambda area: area.closed, "length²"),
         Column("in", lambda area: area.closed_case),
@@ -184,6 +185,7 @@ def clamped_areas(results: Results, assessment: Assessment) -> Iterator[tuple[st
                     certified_width=face.certified_width,
                 ),
                 opening=face.opening,
+                followed=assessment.followed,
                 closed=face.closed_area,
                 closed_case=face.closed_area_case,
                 gap=max(gaps.values(), default=None),
@@ -194,7 +196,9 @@ def clamped_areas(results: Results, assessment: Assessment) -> Iterator[tuple[st
         if len(around) > 1:
             for b, bolt in around.items():
                 factors = bolt.opening_around.get(name, {})
-                yield f"{name} around {b}", _Area(clamp=bolt.clamp_around[name], opening=factors)
+                clamp = bolt.clamp_around[name]
+                area = _Area(clamp=clamp, opening=factors, followed=assessment.followed)
+                yield f"{name} around {b}", area
 
 
 def _half(clamp: ClampRange) -> float | None:
@@ -202,10 +206,13 @@ def _half(clamp: ClampRange) -> float | None:
     return None if ends is None else float(np.ptp(ends)) / 2
 
 
-def _least(factors: Mapping[str, float]) -> Cell | float | None:
-    """Return the smallest load factor of opening, or "never"."""
-    smallest = min(factors.values(), default=None)
-    return Cell(text="never") if smallest == np.inf else smallest
+def _least(area: _Area) -> Cell | float | None:
+    """Return the smallest load factor of opening, or the smallest that no load case opened at."""
+    smallest = min(area.opening.values(), default=None)
+    if smallest != np.inf:
+        return smallest
+    followed = min((area.followed.get(case, np.inf) for case in area.opening), default=np.inf)
+    return Cell(text=f"> {as_given(followed)}")
 
 
 def _least_case(factors: Mapping[str, float]) -> str | None:

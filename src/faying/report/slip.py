@@ -12,7 +12,7 @@ from faying.assessment.response_curve import Peak
 from faying.assessment.slip import SLIP, STICK
 from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
-from faying.display.quantities import number, percent, place, quantity
+from faying.display.quantities import as_given, number, percent, place, quantity
 from faying.display.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.report.figures.backbone import abscissa, unit_of
 from faying.study.judgement.comparison import increments, rubbed
@@ -206,7 +206,7 @@ def _factor(reserve: SlipReserve | None, name: str) -> Cell | float | None:
     factor = getattr(reserve, name)
     if factor is None:
         until = " (no solution beyond)" if reserve.stopped else ""
-        return Cell(text=f"above {number(reserve.largest)}{until}")
+        return Cell(text=f"> {as_given(reserve.largest)}{until}")
     if factor < PRECISION:  # round-off of points at their bound
         return Cell(text=f"< {PRECISION:g}", value=factor)
     return float(factor)

@@ -134,6 +134,7 @@ def solved_checks(
         summed=summed,
         reserves=reserves,
         openings=openings,
+        rest=solver.rest,
     ).certified(lambda: solver.judge)
     assessment, threads = judge.assessment(), options.strengths.threads
     histories = {name: _history(cases, rom) for name, cases in sets.items()} if rom.bolts else {}

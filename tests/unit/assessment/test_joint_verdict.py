@@ -4,17 +4,21 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
 import pytest
 
 import faying as fy
 from faying.assessment import joint_judge
 from faying.assessment.check import Check
 from faying.assessment.joint_checks import joint_checks
-from faying.assessment.joint_verdict import joint_verdict, share_used, verdict_rows
+from faying.assessment.joint_verdict import amount_of, joint_verdict, share_used, verdict_rows
 from faying.assessment.requirements import Verdict
+from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.thread import Thread
+from faying.assessment.verdicts import verdicts
 from faying.exceptions import ConvergenceError
+from faying.report.html import check_table
 from faying.units import units_of
 
 UNITS = units_of("mm-t-s")
@@ -70,9 +74,27 @@ def test_every_interface_is_judged_by_what_is_demanded(joint):
     assert checks["joint", "slip"].outcome == "unknown"
     verdict = joint_verdict(joint_checks(found, UNITS), UNITS)
     assert not verdict.holds
-    assert "Not known: slip of joint: it is judged by static loads" in verdict.sentence
+    # Bolt 2 opens above ten times the load, and whether above a thousand is not known.
+    assert "Not known: opening at joint of bolt-2: it holds up to 10 times bend" in verdict.sentence
+    assert "; slip of joint: it is judged by static loads" in verdict.sentence
     by_requirement = {one.requirement: one.met for one in found.verdicts}
     assert by_requirement["min_clamp_force"] is by_requirement["max_pressure"] is False
+
+
+def test_load_factors_beyond_what_was_tried_are_told_as_bounds(joint):
+    """Opening was told to use 0 % where nothing opens up to ten times the load."""
+    found = fy.assess(joint, [fy.Load({"tip.Fz": -10.0}, name="touch")])
+    verdict = joint_verdict(joint_checks(found, UNITS), UNITS)
+    (opening,) = (c for c in verdict.parts[-1].checks if c.quantity == "opening")
+    assert (opening.value, opening.beyond, share_used(opening)) == (10.0, True, "< 10 %")
+    shown = {row[0].text: row for row in check_table(verdict).rows if row[1].text == "opening"}
+    assert {"< 10.0", "> 10"} <= {cell.text for cell in shown["joint"]}
+    assert found.interfaces["joint"].opening == {"touch": np.inf}
+
+
+def test_limits_read_as_values_do():
+    check = replace(BOLT, unit="Pa").at_most(7.34e8, 6.4e8)
+    assert amount_of(check) == "7.340e8 of 6.4e8 Pa"
 
 
 def test_a_bolt_that_yields_fails_whether_demanded_or_not(joint):
@@ -114,6 +136,17 @@ def test_sliding_is_judged_by_the_load_that_was_followed(joint, changes, outcome
     (sliding,) = (one for one in checks if one.quantity == "sliding")
     assert (sliding.outcome, sliding.value) == (outcome, value)
     assert sliding.reason.startswith("it holds up to 0.5 times bend") == (outcome == "unknown")
+
+
+@pytest.mark.parametrize("reserves", [{}, {"pull": reserve()}])
+def test_what_is_told_to_do_about_unknown_slip_suits_the_joint(joint, reserves):
+    """A joint with friction was told to leave what it had not got, and to demand what it had."""
+    bent = SlipDemand(coefficient=0.2, unknown="it is curved")
+    interfaces = {"joint": replace(judged(joint, paths=False)[0].interfaces["joint"], slip=bent)}
+    asked = fy.Requirements(min_slip_safety=1.2)
+    (verdict,) = verdicts(asked, {}, joint.bolts, None, {}, interfaces, {}, reserves)
+    assert ("in place of min_slip_safety" in verdict.reason) == bool(reserves)
+    assert ("out of slip_friction" in verdict.reason) != bool(reserves)
 
 
 @pytest.mark.parametrize(

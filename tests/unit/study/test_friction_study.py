@@ -394,7 +394,7 @@ def test_slip_that_slides_nothing_is_told_from_sliding(results):
         "in pull, in directions that cancel, so that nothing slides as a whole."
     )
     assert row[FIRST] == "< 0.001"
-    assert row["slides as a whole at [× load]"].startswith("above ")
+    assert row["slides as a whole at [× load]"].startswith("> ")
 
 
 def test_reports_without_slip_say_nothing_of_it(results):

@@ -16,7 +16,16 @@ from faying.study.judgement.verdict import run_verdict
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
-from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, UNCHECKED, reduction
+from small_study import (
+    BEND,
+    JUMP,
+    NO_REPORT,
+    SMALL_JOINT,
+    UNCHECKED,
+    reduction,
+    static,
+    tiny_joint,
+)
 from table_cells import cells
 
 STUDY = (
@@ -222,3 +231,49 @@ def test_friction_of_bolts_scatters_in_studies(tmp_path):
     found = read_results(tmp_path / "out" / "results.h5").assessment.scatter
     force = {(one.case, one.metric): one for one in found}["bend", "bolt_force.bolt"]
     assert force.least < 0.9 * force.meant < 1.1 * force.meant < force.most
+
+
+RUBBED = (
+    tiny_joint("friction = 0.2\nEXTRA")
+    + reduction("compliance")
+    + "[requirement]\nmin_clamp_force = 2e3\nmin_opening_factor = 0.5\n\n"
+    + static("pull", "Fx", 600.0)
+    + static("bend", "Fz", -200.0)
+    + NO_REPORT
+)
+
+
+CLAMPED = ("clamp force", "opening", "sliding")
+
+
+def checked(folder, text):
+    run(parse_study(text, folder / "joint.toml"), folder / "out")
+    checks = [
+        c
+        for part in run_verdict(read_results(folder / "out/results.h5")).parts
+        for c in part.checks
+    ]
+    return {check.quantity: check for check in checks}
+
+
+@pytest.mark.long
+def test_joints_with_friction_are_judged_at_the_least_preloads(tmp_path):
+    """As a joint with these preloads; clamp, opening and sliding were judged at nominal ones."""
+    text = RUBBED.replace("EXTRA", "")
+    judged = checked(tmp_path / "scattered", SCATTER + text)
+    alone = checked(tmp_path / "loose", text.replace("5e3", repr(5e3 * (1 - 0.4 / 2.4))))
+    assert judged["clamp force"].value == pytest.approx(alone["clamp force"].value, rel=1e-6)
+    for quantity in CLAMPED[1:]:
+        # Increments of the load differ, and factors depend on them by 0.4 %.
+        assert judged[quantity].value == pytest.approx(alone[quantity].value, rel=5e-3)
+    assert {judged[name].scatter for name in CLAMPED} == {"P_p,min"}
+
+
+@pytest.mark.long
+def test_gaps_leave_joints_with_friction_unjudged_at_the_least_preloads(tmp_path):
+    judged = checked(tmp_path, SCATTER + RUBBED.replace("EXTRA", "initial_gap = 1e-3"))
+    outcomes = {name: (judged[name].outcome, judged[name].required) for name in CLAMPED}
+    assert outcomes == dict(
+        zip(CLAMPED, [("unknown", True)] * 2 + [("unknown", False)], strict=True)
+    )
+    assert "run the study at the smallest preloads" in judged["sliding"].reason

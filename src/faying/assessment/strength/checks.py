@@ -103,7 +103,8 @@ class _Largest:
         another.
         """
         alone = len(self.end.rest.bolt_forces) == 1
-        return alone and self.case in self.end.solved and bolt not in self.end.rest.bolt_moments
+        solved = self.case in self.end.solved and not self.end.rubs
+        return alone and solved and bolt not in self.end.rest.bolt_moments
 
 
 def _largest(ends: Sequence[PreloadEnd], of: Callable[[PreloadEnd, CaseState], Vector]) -> _Largest:

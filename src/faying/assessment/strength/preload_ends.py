@@ -12,6 +12,7 @@ from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.joint_record import CaseState
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
@@ -44,6 +45,8 @@ class PreloadEnd:
         Load cases solved at this end. In all others bolt forces are shifted by the change of
         preload, and moments by the same share of those at rest: exact where nothing opens, closes
         or slips, and the preloads of all bolts change alike.
+    rubs
+        Whether they were solved with friction.
     tightened : [force]
         Bolt to its force during tightening, where larger than at rest.
     """
@@ -52,6 +55,7 @@ class PreloadEnd:
     rest: CaseState
     cases: Mapping[str, CaseState]
     solved: frozenset[str] = frozenset()
+    rubs: bool = False
     tightened: Mapping[str, float] = field(default_factory=dict)
 
     def preload(self, bolt: str) -> float:
@@ -67,12 +71,15 @@ def preload_ends(
     ranges: Mapping[str, PreloadRange],
     tightened: Mapping[str, float] = MappingProxyType({}),
     temperatures: Mapping[str, StaticLoad] = MappingProxyType({}),
+    rubbing: Solution | None = None,
 ) -> tuple[PreloadEnd, ...]:
     """Return a joint at both ends of its preloads, or at nominal ones without scatter.
 
-    ``rest`` and ``cases`` are at nominal preloads. Loads of static cases without friction are
-    solved anew where ranges change the preload, with each of the temperatures. ``tightened`` are
-    higher forces during tightening of bolts that lost some of it since [force].
+    ``rest`` and ``cases`` are at nominal preloads. Loads of static cases are solved anew where
+    ranges change the preload, with each of the temperatures. ``rubbing`` is the preloaded state of
+    a joint with friction, whose loads are solved at the lower end and at temperatures if its states
+    are similar (:func:`similar_share`). ``tightened`` are higher forces during tightening of bolts
+    that lost some of it since [force].
 
     Raises
     ------
@@ -82,7 +89,7 @@ def preload_ends(
     Notes
     -----
     One contact problem for each end, and one for each static load case at each end and temperature,
-    ten with gaskets.
+    ten with gaskets or friction.
     """
     nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
     scattered = ends_of(nominal, ranges)
@@ -99,14 +106,75 @@ def preload_ends(
             cases={name: _shift_state(state, shifts, rest) for name, state in cases.items()},
             tightened=before[end],
         )
-        if not loads or (not end and not temperatures):
+        share = None if rubbing is None else similar_share(rubbing, nominal, forces)
+        if not loads or (not end and not temperatures) or (rubbing and share is None):
             ends.append(moved)
             continue
         initial = initial_forces_at(system, forces)
         for name, heated in {"": None, **temperatures}.items():
-            solved = solved_end(moved, system, loads, initial, heated)
+            if rubbing is None or share is None:
+                solved = solved_end(moved, system, loads, initial, heated)
+            elif end == LEAST or heated is not None:
+                solved = similar_end(moved, rest, rubbing, loads, share, heated)
+            else:
+                solved = moved
             ends.append(replace(solved, name=", ".join(filter(None, (end, name)))))
     return tuple(ends)
+
+
+def similar_share(
+    rubbing: Solution, nominal: Mapping[str, float], forces: Mapping[str, float]
+) -> float | None:
+    """Return the share s of the nominal preloads where states with friction are similar, or None.
+
+    Without gaps, and with closures in proportion to pressure, equations and inequalities of contact
+    and Coulomb's friction are homogeneous: with s times all preloads, s times the loads lead to s
+    times the state (Johnson, Contact Mechanics, 1985, 7.1).
+    """
+    contact = rubbing.system.contact
+    gaps = float(np.abs(contact.initial_gap).max(initial=0.0))
+    shares = [forces[name] / force for name, force in nominal.items() if force > 0]
+    alike = shares and max(shares) - min(shares) <= SOLVED * max(shares)
+    if not alike or shares[0] <= 0 or not contact.proportional:
+        return None
+    return shares[0] if gaps <= DECK_DIGITS * float(np.abs(rubbing.gap).max()) else None
+
+
+def least_share(
+    rubbing: Solution | None, rest: CaseState, ranges: Mapping[str, PreloadRange]
+) -> float | None:
+    """Return the share of preloads at P_p,min where states with friction are similar, or None."""
+    nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
+    forces = ends_of(nominal, ranges).get(LEAST, nominal)
+    return None if rubbing is None else similar_share(rubbing, nominal, forces)
+
+
+def similar_end(
+    moved: PreloadEnd,
+    rest: CaseState,
+    rubbing: Solution,
+    loads: Mapping[str, StaticLoad],
+    share: float,
+    heated: StaticLoad | None,
+) -> PreloadEnd:
+    """Return an end with its static load cases followed with friction (:func:`similar_share`)."""
+    system, start = rubbing.system, np.zeros(1)
+    begun = np.atleast_2d(rubbing.inputs)[-1]
+    added = np.concatenate([load.inputs(system, start) for load in loads.values()]) - begun
+    if heated is not None:
+        added += heated.inputs(system, start) - AT_REST.inputs(system, start)
+    ramps = solve_ramps(
+        system, begun + added / share, rubbing, increments=DEFAULT_INCREMENTS, name=ENDS
+    )
+    bent = [name for name in bent_bolts(system.bolts) if name in rest.bolt_moments]
+    loaded = [state_of(ramps, slice(row, row + 1), bent).scaled(share) for row in range(len(loads))]
+    return replace(
+        moved,
+        rest=rest.scaled(share),
+        cases={**moved.cases, **dict(zip(loads, loaded, strict=True))},
+        solved=frozenset(loads),
+        rubs=True,
+    )
 
 
 def ends_of(

@@ -64,6 +64,7 @@ def assess_run(
                 {load.name: reserves[load.name] for load in loads if load.name in reserves}
             ),
             scatter=None if scatter is None else scatter.spread,
+            rest=joint.rest,
         )
         with books.attempt("certified bounds"):
             judge = judge.certified(lambda: joint.certifier)
