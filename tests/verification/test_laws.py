@@ -16,6 +16,8 @@ from faying.contact import laws
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ModelError, StudyError
 from faying.export.formats import export
+from faying.export.linearized import linearize
+from faying.io.op4 import read_op4_matrices
 from faying.joint.system import input_forces
 from faying.simulation.integrators import EnergyDecaying, ImplicitEuler
 from faying.simulation.solution import Solution
@@ -203,11 +205,27 @@ def test_what_knows_proportional_laws_alone_refuses_a_curve(curved, solve):
         solve(rom, path)
 
 
-@pytest.mark.parametrize("to", ["nastran", "mat", "fmu", "npz", "exudyn"])
+@pytest.mark.parametrize("to", ["mat", "fmu", "npz", "exudyn"])
 def test_no_file_holds_another_law_than_the_model(curved, tmp_path, to):
     with pytest.raises(StudyError, match=f"'joint' has the law 'rough', which {to} does not su"):
         export(curved[0], to, out=tmp_path / "joint")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("name", ["rough", "table", "exponential", "power", "gasket"])
+def test_linear_files_hold_the_slope_of_a_law_at_the_preload(name, friction, tmp_path):
+    """A gasket that vibrates unloads and reloads, once its first period has closed it deepest."""
+    rom = reduced(jointed(name, friction))
+    linear = linearize(rom)
+    vibration = [fy.Load({"tip.Fz": force}) for force in (0.0, 0.02, -0.02, 0.01, -0.01)]
+    up, down = fy.solve_path(rom, vibration).displacement("tip")[-2:]
+    push = linear.inputs[:, linear.input_names.index("tip.Fz")]
+    tip = np.linalg.solve(linear.K, push)[linear.boundary]
+    np.testing.assert_allclose(tip, (up - down) / 0.02, rtol=1e-4, atol=1e-5 * abs(tip).max())
+    files = {path.name: path for path in export(rom, "nastran", out=tmp_path / "joint.op4")}
+    assert "DLAW" not in read_op4_matrices(files["joint_recovery.op4"])
+    assert "recovery below does not" in files["joint_readme.txt"].read_text()
 
 
 def test_small_motions_see_the_slope_of_a_curve(smooth):

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.digits import DECK_DIGITS, SHOWN_DIGITS
+from faying.digits import DECK_DIGITS, SHOWN_DIGITS, SOLVED
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.linalg.backends import count_negative
@@ -176,7 +176,7 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
 
     Rows (n_spring, n_relative) are first along the normals of closed points, then along both
     tangents of those with friction; flexibilities are (n_spring,) [length/force]. For a path at its
-    end.
+    end. Laws that remember unload: a vibration's first period closes them deepest.
     """
     check_points(system, state)
     contact = system.contact
@@ -184,7 +184,11 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
     forces[0] = np.atleast_2d(state.contact_forces)[-1]
     closed = forces[0] > 0
     deepest = None if state.deepest is None else np.atleast_2d(state.deepest)[-1]
-    compliance = LawsAtPoints(contact=contact, deepest=deepest).closure(forces)[1]
+    laws = LawsAtPoints(contact=contact, deepest=deepest)
+    deepest = laws.closed_to(np.atleast_2d(state.gap)[-1])
+    if deepest is not None:
+        deepest = deepest + SOLVED * np.abs(deepest)
+    compliance = laws.after(deepest).closure(forces)[1]
     stuck = np.tile(closed[contact.rubbing], 2)
     rows = sp.vstack([contact.interpolation[closed], contact.shear[stuck]]).tocsr()
     along = compliance[1:, contact.rubbing].ravel()[stuck]

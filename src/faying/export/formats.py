@@ -123,7 +123,7 @@ def export(
     chosen = format_named(to)
     rom, run, folder = _given(source, method, joint_modes)
     # Formats that carry friction know no other laws either: without the law all else follows.
-    if chosen.kind not in (PICTURES, CURVES):
+    if chosen.kind == CONTACT:
         _check_laws(rom, to)
     _check_friction(rom, to, chosen)
     if out is None and folder is None:
@@ -204,8 +204,8 @@ def _check_laws(rom: ReducedModel, to: str) -> None:
         if not law.proportional:
             refuse_study(
                 f"interface '{name}' has the law '{law.normal.name}', which {to} does not "
-                "support; export the joint with a penalty (model.with_penalty, or 'penalty' in a "
-                "study)"
+                "support; export the linear joint (nastran), or the joint with a penalty "
+                "(model.with_penalty, or 'penalty' in a study)"
             )
 
 

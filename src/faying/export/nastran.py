@@ -136,7 +136,7 @@ def recovery_matrices(
         "GAPROW": linear.gap_rows[:, order],
         "GAP0": linear.gap_offsets,
         "WEIGHT": contact.weights,
-        "DLAW": contact.flexibility,
+        "DLAW": contact.flexibility if contact.proportional else np.zeros(0),
         "GINIT": contact.initial_gap,
         "NINT": contact.interpolation.toarray(),
         "PREL": np.asarray(contact.relative_operator)[:, order],
@@ -245,6 +245,13 @@ faying instead.
 """
 
 
+_CURVES = """
+CURVES: pressure over closure is a curve, whose slope at the preload the superelement has, a
+gasket that of unloading. DLAW is left out and the contact problem of the recovery below does not
+hold; recover pressures with faying instead.
+"""
+
+
 def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
     """Return the explanation of files, rows and recovery matrices."""
     kinds = rom.basis.kinds
@@ -255,6 +262,7 @@ def _readme(rom: ReducedModel, rows: Rows, files: Sequence[Path]) -> str:
         "LINEAR export: the joint is linearized at its preloaded state. It neither opens nor",
         "closes. Displacements x are changes from that state; do not apply the bolt preload again.",
         _FRICTION if rom.contact.components > 1 else "",
+        "" if rom.contact.proportional else _CURVES,
         f"Files: {', '.join(file.name for file in files)}",
         "How to attach them: docs/how-to/export_to_nastran.md of faying.",
         "",

@@ -3,14 +3,14 @@
 A folder with
 
 * ``structure.vtu``: the solids; displacements of each static load case, full and reduced;
-* * ``modes.vtu``: vibration modes of the joint linearized under its bolts, scaled to one unit of
+* ``modes.vtu``: vibration modes of the joint linearized under its bolts, scaled to one unit of
   length, from the trial vectors alone (as their names say if the model also has a
   residual compliance, which adds displacements at the interface);
 * ``trial_vectors.vtu``: displacements per coordinate q of the reduced model;
 * ``bolts.vtu``: the bolts as lines, with their forces;
 * ``interface_NAME.vtu``: facets of the minus side with normals, the pressure of the preload, and
   pressure and gap of each static load case as nodal averages;
-* * ``interface_NAME_CASE.pvd`` and its instants in a folder of the same name: these fields of
+* ``interface_NAME_CASE.pvd`` and its instants in a folder of the same name: these fields of
   each transient, with the recovered pressure.
 """
 

@@ -61,7 +61,13 @@ def read_pairs(
         name = keyword.required("INTERACTION")
         interaction = named(keyword, name, interactions, "*SURFACE INTERACTION")
         adjusted = _adjust(keyword, data.node_sets)
-        note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
+        kind = keyword.choice("TYPE", "default")
+        note = f"formulation of *CONTACT PAIR: small sliding, {kind}"
+        if kind == "NODE TO SURFACE":
+            note += (
+                "; contact is over the common surface here, not at slave nodes alone, whose joints "
+                "are softer with higher pressures where slave facets are coarse"
+            )
         if note not in ignored:
             ignored.append(note)
         for row, fields in enumerate(keyword.rows()):
