@@ -17,7 +17,7 @@ from faying.assessment.slip_demand import slip_coefficients
 from faying.assessment.slip_reserve import SlipReserve, followed_openings
 from faying.assessment.strength.checks import with_threads
 from faying.assessment.strength.preload_ends import BoltStrengths, PreloadEnd
-from faying.assessment.strength.thread import fibre_stresses
+from faying.assessment.strength.thread import fibre_stresses, normal_stresses
 from faying.assessment.verdicts import ring_surface
 from faying.exceptions import refuse_model
 from faying.joint.bolt_surroundings import pressed_near
@@ -173,7 +173,8 @@ def _worst_rows(
     rows |= {loads.names.index(check.case) for check in checks if check.case in loads.repetitions}
     for state in (end.cases[STATIC] for end in ends if STATIC in end.cases):
         for bolt, thread in strengths.threads.items():
-            stresses = fibre_stresses(thread, state.bolt_forces[bolt], state.bolt_moments.get(bolt))
+            moments = state.bolt_moments.get(bolt)
+            stresses = fibre_stresses(normal_stresses(thread, state.bolt_forces[bolt], moments))
             extremes = np.concatenate([stresses.argmax(axis=0), stresses.argmin(axis=0)])
             rows |= set(np.asarray(state.times)[extremes].astype(int).tolist())
     return rows

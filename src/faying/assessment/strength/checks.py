@@ -21,6 +21,7 @@ from faying.assessment.strength.thread import (
     Thread,
     fibre_stresses,
     largest_amplitude,
+    normal_stresses,
     thread_stress,
     tightening_stress,
     working_stress,
@@ -279,7 +280,9 @@ def _damage(
     Cases without a solution at that end have the amplitudes of nominal preloads.
     """
     sums = {
-        case: miner_sums(_stresses(bolt, thread, end, case), repetitions[case], limit)
+        case: miner_sums(
+            fibre_stresses(_stresses(bolt, thread, end, case)), repetitions[case], limit
+        )
         for case in end.cases
         if case in repetitions
     }
@@ -295,13 +298,13 @@ def _damage(
 
 
 def _stresses(bolt: str, thread: Thread, end: PreloadEnd, case: str) -> Matrix:
-    """Return the stress of fibres from rest through a load case and back (n_instant + 2, n)."""
+    """Return normal stresses from rest through a load case and back (n_instant + 2, n_end, 3)."""
     state, bent_before = end.cases[case], end.rest.bolt_moments.get(bolt)
     moments = None if bent_before is None else state.bolt_moments.get(bolt)
-    tightened = fibre_stresses(thread, end.rest.bolt_forces[bolt][:1], bent_before)
-    loaded = fibre_stresses(thread, state.bolt_forces[bolt], moments)
-    # Without moments the bending is that at rest.
-    loaded = loaded + (tightened - tightened.mean() if moments is None else 0.0)
+    tightened = normal_stresses(thread, end.rest.bolt_forces[bolt][:1], bent_before)
+    loaded = normal_stresses(thread, state.bolt_forces[bolt], moments)
+    if moments is None and bent_before is not None:  # the bending is that at rest
+        loaded = np.concatenate([loaded, loaded], axis=1) + tightened * [0.0, 1.0, 1.0]
     return np.concatenate([tightened, loaded, tightened])
 
 

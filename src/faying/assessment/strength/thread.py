@@ -23,7 +23,7 @@ WORKING = 0.5
 """k_τ: share of the tightening torsion in service, section 5.5.2."""
 
 ANGLES = 72
-"""Number of fibres around the section: errors of the bending range are 0.1 % at most."""
+"""Number of fibres around the section of which one is the worst: its bending is off by 0.1 %."""
 
 FLANK = float(1 / np.cos(np.pi / 6))
 """1 / cos 30°, for the flanks of a metric thread."""
@@ -246,7 +246,7 @@ def thread_stress(
         bending=None if bent is None else bending,
         torsion=torsion,
         reduced=reduced,
-        amplitude=largest_amplitude(fibre_stresses(thread, forces, moments)),
+        amplitude=largest_amplitude(normal_stresses(thread, forces, moments)),
         proof=proof,
         safety=proof / reduced if reduced > 0 else float("inf"),
     )
@@ -283,21 +283,32 @@ def _outer(stresses: Vector, bent: Matrix | None) -> Vector:
     return np.asarray(np.linalg.norm(bent, axis=-1).max(axis=-1))
 
 
-def fibre_stresses(thread: Thread, forces: Vector, moments: Matrix | None) -> Matrix:
-    """Return the normal stress of fibres at the root of the thread (n_instant, n_fibre).
+def normal_stresses(thread: Thread, forces: Vector, moments: Matrix | None) -> Matrix:
+    """Return normal stresses at the root of the thread (n_instant, n_end, 3).
 
-    Bolt forces are (n_instant,) [force], moments (n_instant, 2, 2) [force·length] by end of the
-    bolt and component across its axis.
+    They are the axial stress, and those of bending in two fibres a quarter of a turn apart. Bolt
+    forces are (n_instant,) [force], moments (n_instant, 2, 2) [force·length] by end of the bolt and
+    component across its axis.
     """
-    axial = np.asarray(forces)[:, None] / thread.stress_area
-    if moments is None:
-        return np.asarray(axial)
+    bent = np.zeros((len(forces), 1, 2)) if moments is None else moments / thread.section_modulus
+    axial = np.asarray(forces) / thread.stress_area
+    return np.concatenate([np.broadcast_to(axial[:, None, None], (*bent.shape[:2], 1)), bent], 2)
+
+
+def fibre_stresses(stresses: Matrix) -> Matrix:
+    """Return the stress of fibres around both ends (n_instant, n_fibre) from normal stresses."""
     angles = np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
-    around = np.stack([np.cos(angles), np.sin(angles)])
-    bent = (moments / thread.section_modulus) @ around
-    return np.asarray(axial + bent.reshape(len(bent), -1))
+    around = np.stack([np.ones(ANGLES), np.cos(angles), np.sin(angles)])
+    return np.asarray((stresses @ around).reshape(len(stresses), -1))
 
 
 def largest_amplitude(stresses: Matrix) -> float:
-    """Return half the largest range of stress of a fibre."""
-    return float(np.ptp(stresses, axis=0).max()) / 2
+    """Return half the largest range of stress of all fibres, from normal stresses.
+
+    Between two instants it is Δσ_z + |Δσ_b|, in the fibre that Δσ_b points to. Instants are those
+    of the extremes of sampled fibres.
+    """
+    fibres = fibre_stresses(stresses)
+    extremes = stresses[np.unique([fibres.argmax(axis=0), fibres.argmin(axis=0)])]
+    changes = extremes[:, None] - extremes
+    return float((changes[..., 0] + np.linalg.norm(changes[..., 1:], axis=-1)).max()) / 2
