@@ -10,7 +10,14 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from faying.files.described import SPARSE
 from faying.files.meanings import Meaning, Table
-from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
+from faying.reduction.stored_model import (
+    OWN_COORDINATES,
+    OWN_PORTS,
+    TABLES,
+    StoredBoundary,
+    StoredCoordinates,
+    StoredPorts,
+)
 from faying.study.results.solved_fields import RecoveredRecord
 from faying.study.results.store import MEANINGS
 from faying.study.results.values import Results
@@ -40,10 +47,12 @@ GROUPS = {next(group for group, held in EVERY if held is kind): kind for _, kind
 """The first group of each kind of value."""
 
 MODELS: dict[str, Table] = {
-    "/ports": PORTS,
+    "/ports": {n: told for n, told in TABLES[StoredPorts].items() if n not in OWN_PORTS},
     "/ports/interpolation": SPARSE,
-    "/ports/boundaries/NAME": BOUNDARY,
-    "/reduced/METHOD/N": COORDINATES,
+    "/ports/boundaries/NAME": TABLES[StoredBoundary],
+    "/reduced/METHOD/N": {
+        n: told for n, told in TABLES[StoredCoordinates].items() if n not in OWN_COORDINATES
+    },
 }
 """Groups of reduced models and what their members mean."""
 

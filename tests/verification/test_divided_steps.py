@@ -9,9 +9,10 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
+from faying.files.flattening import flattened, restored
 from faying.simulation.divided_steps import SAFETY, divided_steps
 from faying.simulation.path_steps import MOST_DIVISIONS
-from faying.simulation.restart import kept_restart, restart_from
+from faying.simulation.restart import Restart
 from faying.simulation.transient_windows import transient_windows
 
 LOAD = {"tip.Fz": -500.0}
@@ -167,7 +168,7 @@ def test_what_is_handed_on_is_kept(rom):
     steps = divided_steps(rom, step=STEP, tolerance=0.02, integrator=fy.EnergyDecaying(0.0))
     pieces = transient_windows(steps, [rising(0.1)], duration=TIMES["duration"], length=7)
     for _, (end,) in pieces:
-        again = restart_from(kept_restart(end))
+        again = restored(Restart, flattened(end))
         for name in ("active", "forces", "moved"):
             mine, other = getattr(again.contact, name), getattr(end.contact, name)
             np.testing.assert_array_equal(mine, other)

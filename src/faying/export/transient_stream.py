@@ -18,6 +18,7 @@ from faying._typing import Matrix
 from faying.exceptions import FayingError, refuse, refuse_model
 from faying.files.atomic import writing
 from faying.files.described import member_name
+from faying.files.flattening import flattened, restored
 from faying.files.hdf5 import check_hdf5, damaged
 from faying.joint.system import System
 from faying.simulation.compiled import warn_of_compiled
@@ -25,7 +26,7 @@ from faying.simulation.divided_steps import divided_steps
 from faying.simulation.instants import check_times
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
-from faying.simulation.restart import Restart, kept_restart, restart_from
+from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import STEPS_AT_ONCE, transient_solver
 from faying.simulation.transient_windows import Steps, transient_windows
@@ -246,7 +247,7 @@ def _mark(file: h5py.File, end: Restart) -> None:
     places = file.require_group("restart")
     slot = 1 - int(places.attrs.get("slot", 1))
     slot_group = places.require_group(str(slot))
-    restart = kept_restart(end)
+    restart = {name.replace("/", "."): values for name, values in flattened(end).items()}
     reserve(file, sum(values.nbytes for values in restart.values()))
     for name, values in restart.items():
         if values.ndim == 0:
@@ -288,7 +289,8 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
     slot_group = places[str(places.attrs["slot"])]
     n_dof, n_force = system.K.shape[0], system.contact.components * system.contact.n_points
     sizes = [data.size for data in slot_group.values()]
-    fitting = slot_group["u"].shape == (n_dof,) and slot_group["contact"].shape == (n_force,)
+    fitting = slot_group["motion.u"].shape == (n_dof,)
+    fitting = fitting and slot_group["motion.contact"].shape == (n_force,)
     # Of forces three components are stored, with friction or without.
     if not fitting or max(sizes) > 3 * max(n_dof, n_force):
         refuse(f"{file.filename} belongs to another model; {ANEW}")
@@ -296,9 +298,9 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
     for data in _datasets(file):
         data.resize(done + 1, axis=0)  # drop rows of an incomplete piece
     file.attrs["complete"] = False
-    return restart_from(
-        {name: data[()] for name, data in slot_group.items()} | dict(slot_group.attrs)
-    )
+    parts = {name: data[()] for name, data in slot_group.items()} | dict(slot_group.attrs)
+    arrays = {name.replace(".", "/"): np.asarray(part) for name, part in parts.items()}
+    return restored(Restart, arrays)
 
 
 def _datasets(file: h5py.File) -> list[h5py.Dataset]:

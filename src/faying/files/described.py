@@ -20,10 +20,9 @@ from urllib.parse import unquote
 
 import h5py
 import numpy as np
-import numpy.typing as npt
 import scipy.sparse as sp
 
-from faying._typing import SparseMatrix
+from faying._typing import Indices, Matrix, SparseMatrix
 from faying.exceptions import refuse, refuse_value
 from faying.files.atomic import replacing
 from faying.files.hdf5 import open_hdf5
@@ -122,7 +121,7 @@ def _check_header(file: h5py.File, kind: Format, path: Path) -> None:
         )
 
 
-def new_group(group: h5py.Group, name: str, meaning: Meaning) -> h5py.Group:
+def _new_group(group: h5py.Group, name: str, meaning: Meaning) -> h5py.Group:
     """Return a new group that keeps the order of its members."""
     inner = group.create_group(member_name(name), track_order=True)
     inner.attrs["description"] = meaning.description
@@ -130,19 +129,17 @@ def new_group(group: h5py.Group, name: str, meaning: Meaning) -> h5py.Group:
 
 
 def write_members(
-    group: h5py.Group,
-    members: Mapping[str, Any],
-    table: Table,
-    units: Units,
-    tables: Mapping[type, Table] = types.MappingProxyType({}),
+    group: h5py.Group, value: Any, units: Units, tables: Mapping[type, Table]
 ) -> None:
-    """Write the members of a group in the order of its table, leaving out None.
+    """Write the members of a dataclass to a group, in the order of its table.
 
-    Members equal to the default of their dataclass are left out too. ``tables`` describe the
-    dataclasses among the members, and within them.
+    None and members equal to their default are left out. ``tables`` describe the dataclass, and all
+    dataclasses within it.
     """
+    table = next(tables[kind] for kind in inspect.getmro(type(value)) if kind in tables)
     for name, meaning in table.items():
-        _write(group, name, members[name], meaning, units, tables)
+        if not is_default(value, name):
+            _write(group, name, getattr(value, name), meaning, units, tables)
 
 
 def _write(
@@ -157,18 +154,14 @@ def _write(
     if value is None:
         return
     if sp.issparse(value):
-        rows = sp.csr_array(value)
+        rows, inner = sp.csr_array(value), _new_group(group, name, meaning)
         parts = (rows.data, rows.indices, rows.indptr, rows.shape)
-        members = dict(zip(SPARSE, (np.asarray(part) for part in parts), strict=True))
-        write_members(new_group(group, name, meaning), members, SPARSE, units)
+        for (part, told), array in zip(SPARSE.items(), parts, strict=True):
+            _write_data(inner, part, np.asarray(array), told, units)
     elif is_dataclass(value):
-        table = next(tables[kind] for kind in inspect.getmro(type(value)) if kind in tables)
-        inner_members = {
-            name: None if is_default(value, name) else getattr(value, name) for name in table
-        }
-        write_members(new_group(group, name, meaning), inner_members, table, units, tables)
+        write_members(_new_group(group, name, meaning), value, units, tables)
     elif isinstance(value, Mapping) or _is_list_of_values(value):
-        inner = new_group(group, name, meaning)
+        inner = _new_group(group, name, meaning)
         items = value.items() if isinstance(value, Mapping) else enumerate(value)
         for key, member in items:
             _write(inner, str(key), member, meaning, units, tables)
@@ -225,53 +218,12 @@ def items(group: h5py.Group) -> Iterator[tuple[str, Any]]:
         yield unquote(name), group[name]
 
 
-def member(group: h5py.Group, name: str) -> Any:
+def member(group: Node, name: str) -> Any:
     """Return a member of a group."""
-    if member_name(name) not in group:
-        message = f"{group.name.rstrip('/')}/{name} is missing"
+    if name not in group:
+        message = f"{getattr(group, 'name', '').rstrip('/')}/{name} is missing"
         raise KeyError(message)
-    return group[member_name(name)]
-
-
-def numbers(
-    group: h5py.Group, name: str, shape: tuple[int, ...] | None = None, dtype: Any = np.float64
-) -> npt.NDArray[Any]:
-    """Return the numbers of a member of the given shape, or of any shape if None.
-
-    Raises
-    ------
-    KeyError
-        If the member is missing.
-    ValueError
-        If the member has another shape or type, or a value is not finite.
-    """
-    data = member(group, name)
-    _check_kind(data, "iub" if dtype is np.int64 else "fiub", "numbers")
-    if shape is not None and data.shape != shape:
-        refuse_value(f"'{data.name}' has shape {data.shape}, expected {shape}")
-    values = np.asarray(data[()], dtype=dtype)
-    if not np.isfinite(values).all():
-        refuse_value(f"'{data.name}' holds numbers that are not finite")
-    return values
-
-
-def texts(group: h5py.Group, name: str) -> tuple[str, ...]:
-    """Return the texts of a member; an empty tuple where it is missing."""
-    if name not in group or group[name].size == 0:
-        return ()
-    _check_kind(group[name], "OS", "texts")
-    return tuple(np.atleast_1d(group[name].asstr()[()]).tolist())
-
-
-def sparse_matrix(group: h5py.Group, name: str) -> SparseMatrix:
-    """Return a sparse matrix."""
-    node = member(group, name)
-    values, columns, starts, shape = (
-        numbers(node, part, dtype=np.float64 if part == "values" else np.int64) for part in SPARSE
-    )
-    matrix = sp.csr_array((values, columns, starts), shape=tuple(shape.tolist()))
-    matrix.check_format(full_check=True)
-    return matrix
+    return group[name]
 
 
 def read_value(group: Node, kind: type, tables: Mapping[type, Table]) -> Any:
@@ -287,13 +239,10 @@ def read_value(group: Node, kind: type, tables: Mapping[type, Table]) -> Any:
     }
     values: dict[str, Any] = {}
     for name in tables[kind] if kind in tables else [field.name for field in fields(kind)]:
-        if name in group:
-            values[name] = read_member(group[name], hints[name], tables)
-        elif types.NoneType in get_args(hints[name]):
-            values[name] = None
+        if name in group or not (name in defaulted or types.NoneType in get_args(hints[name])):
+            values[name] = read_member(member(group, name), hints[name], tables)
         elif name not in defaulted:
-            message = f"{getattr(group, 'name', '').rstrip('/')}/{name} is missing"
-            raise KeyError(message)
+            values[name] = None
     return kind(**values)
 
 
@@ -301,7 +250,12 @@ def read_member(node: Node, hint: Any, tables: Mapping[type, Table]) -> Any:
     """Read a member as the type of its annotation."""
     origin, arguments = get_origin(hint), get_args(hint)
     if origin in (types.UnionType, Union):
-        return read_member(node, arguments[0], tables)
+        values = filter(is_dataclass, arguments if isinstance(node, Mapping) else ())
+        return read_member(node, next(values, arguments[0]), tables)
+    if hint is Any:
+        return _in_memory(node)
+    if hint is sp.csr_array:
+        return _sparse_matrix(node)
     if is_dataclass(hint):
         return read_value(node, hint, tables)  # type: ignore[arg-type]
     if origin is np.ndarray:
@@ -324,6 +278,24 @@ def read_member(node: Node, hint: Any, tables: Mapping[type, Table]) -> Any:
         return complex(*node[()])
     _check_kind(node, "fiubc", "one number", ndim=0)
     return hint(node[()])
+
+
+def _in_memory(node: Node) -> Any:
+    """Return a member whose type nothing says: nested mappings of arrays."""
+    if isinstance(node, Mapping):
+        return {name: _in_memory(entry) for name, entry in items(node)}
+    return _texts(node) if node.dtype.kind in "OSU" else np.asarray(node[()])
+
+
+def _sparse_matrix(node: Node) -> SparseMatrix:
+    values, *rows = (
+        read_member(member(node, name), kind, {})
+        for name, kind in zip(SPARSE, (Matrix, Indices, Indices, Indices), strict=True)
+    )
+    columns, starts, shape = rows
+    matrix = sp.csr_array((values, columns, starts), shape=tuple(shape.tolist()))
+    matrix.check_format(full_check=True)
+    return matrix
 
 
 def _read_tuple(

@@ -2,12 +2,7 @@
 
 from dataclasses import dataclass
 
-import h5py
-import numpy as np
-
 from faying._typing import Matrix, SparseMatrix
-from faying.exceptions import refuse_value
-from faying.files.described import numbers, sparse_matrix
 from faying.linalg.sparse_compliance import Compliance, SparseCompliance
 from faying.linalg.sparse_stiffness import SparseStiffness
 
@@ -46,29 +41,12 @@ def stored(compliance: Compliance | None) -> Matrix | StoredCompliance | None:
     )
 
 
-def read_compliance(group: h5py.Group, n_relative: int) -> SparseCompliance:
-    """Read a compliance by sparse factors.
-
-    Raises
-    ------
-    ValueError
-        If its parts do not fit together, or are of a version that compressed it.
-    """
-    if "diagonal" in group:
-        refuse_value(
-            f"'{group.name}' is compressed, as versions before sparse factors did; reduce the full "
-            "model again"
-        )
-    matrix, ports = (sparse_matrix(group, name) for name in ("matrix", "ports"))
-    shapes, core = numbers(group, "shapes"), numbers(group, "core")
-    n = matrix.shape[0]
-    fits = (
-        matrix.shape == (n, n)
-        and ports.shape == (n_relative, n)
-        and shapes.shape == (n_relative, len(core))
-        and core.shape == (len(core), len(core))
+def restored(compliance: Matrix | StoredCompliance | None) -> Compliance | None:
+    """Return a compliance that a file stored."""
+    if not isinstance(compliance, StoredCompliance):
+        return compliance
+    return SparseCompliance(
+        stiffness=SparseStiffness.of(compliance.matrix, compliance.ports),
+        shapes=compliance.shapes,
+        core=compliance.core,
     )
-    parts = (matrix.data, ports.data, shapes, core)
-    if not fits or not all(np.isfinite(part).all() for part in parts):
-        refuse_value(f"the parts of '{group.name}' do not fit together, or are not finite")
-    return SparseCompliance(stiffness=SparseStiffness.of(matrix, ports), shapes=shapes, core=core)

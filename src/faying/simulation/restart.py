@@ -1,12 +1,10 @@
 """Restarts of transients, one by one and side by side."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from faying._typing import Matrix
 from faying.contact.state import ContactState
 from faying.simulation.energy_guard import EnergyLedger
 from faying.simulation.integrators import Motion
@@ -53,41 +51,3 @@ def each_of(done: int, motion: Motion, states: Sequence[ContactState]) -> list[R
         Restart(done=done, motion=Motion(*parts), contact=state)
         for parts, state in zip(columns, states, strict=True)
     ]
-
-
-def kept_restart(restart: Restart) -> dict[str, Matrix]:
-    """Return a restart as arrays for :func:`restart_from`; numbers are 0-d."""
-    contact = restart.contact
-    arrays: dict[str, Any] = vars(restart.motion) | {
-        "active": contact.active,
-        "done": restart.done,
-        "level": restart.level,
-        "peak": restart.peak,
-    }
-    names = {"slip": "slip", "forces": "forces", "pairs_moved": "moved", "supported": "supported"}
-    arrays_of_contact = {name: getattr(contact, attribute) for name, attribute in names.items()}
-    arrays |= {name: value for name, value in arrays_of_contact.items() if value is not None}
-    if restart.ledger is not None:
-        arrays |= asdict(restart.ledger)
-    return {name: np.asarray(value) for name, value in arrays.items()}
-
-
-def restart_from(arrays: Mapping[str, Any]) -> Restart:
-    """Return the restart stored by :func:`kept_restart`, with its energy ledger."""
-    return Restart(
-        done=int(arrays["done"]),
-        motion=Motion(**{entry.name: arrays[entry.name] for entry in fields(Motion)}),
-        contact=ContactState(
-            active=arrays["active"],
-            supported=arrays.get("supported"),
-            slip=arrays.get("slip", 0.0),
-            forces=arrays.get("forces"),
-            moved=arrays.get("pairs_moved"),
-        ),
-        ledger=EnergyLedger(
-            **{entry.name: float(arrays[entry.name]) for entry in fields(EnergyLedger)}
-        ),
-        # Histories of earlier versions have no divided steps.
-        level=int(arrays.get("level", 0)),
-        peak=float(arrays.get("peak", 0.0)),
-    )

@@ -17,12 +17,13 @@ from faying.exceptions import ConvergenceError, refuse_study
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor
+from faying.files.flattening import flattened, restored
 from faying.linalg.pieces import PIECE_NUMBERS
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.load import InputRow
 from faying.simulation.path import solve_path, solve_ramps
-from faying.simulation.restart import kept_restart, restart_from
+from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
 from faying.simulation.static import similar_loads
 from faying.simulation.stepping import transient_solver
@@ -262,7 +263,7 @@ class CaseSolver:
         name, count, restart, gain = load.load.name, 0, None, 0.0
         if self.checkpoint.has(_stand_key(load)):
             stand = self.checkpoint.get(_stand_key(load))
-            count, restart = int(stand["count"]), restart_from(stand)
+            count, restart = int(stand["count"]), restored(Restart, stand)
             gain = restart.ledger.gain if restart.ledger else 0.0
         demanded, metrics = replace(self.demanded, areas={}), self._metrics(static=False)
         solver = transient_solver(self.rom, step=load.step, integrator=load.integrator)
@@ -286,7 +287,7 @@ class CaseSolver:
                     arrays = arrays_of(self.rom, numbers, solved, demanded, metrics, worst)
                     self.checkpoint.put(_piece_key(load, count), arrays)
                     first, count, gain = first + len(numbers), count + 1, solution.energy_gain
-                    stand = kept_restart(end) | {"count": np.asarray(count)}
+                    stand = flattened(end) | {"count": np.asarray(count)}
                     self.checkpoint.put(_stand_key(load), stand)
             except ConvergenceError as error:
                 failed.append(f"{name}: {error}")

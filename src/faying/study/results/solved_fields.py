@@ -9,9 +9,9 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.envelope import Envelope
 from faying.files.described import Format, new_file, write_members
-from faying.files.meanings import Meaning, Table, tables_within
-from faying.interface.surface import ContactSurface
+from faying.files.meanings import tables_within
 from faying.reduction.reduced_model import ReducedModel
+from faying.reduction.stored_model import StoredJoint
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -122,17 +122,24 @@ class SolvedFields:
     envelope: Envelope
 
 
-TABLES = tables_within(ContactSurface, SolvedFields)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolvedFile(StoredJoint):
+    """Fields of solved load cases, in a file of their own.
 
-ROOT: Table = {
-    "name": Meaning("name of the model"),
-    "method": Meaning("name of its reduction"),
-    "units": Meaning("consistent unit set, length-mass-time"),
-    "nodes": Meaning("coordinates in the basic frame", "length", "(n_node, 3)"),
-    "interfaces": Meaning("contact interfaces by name"),
-    "static": Meaning("static load cases; absent without any"),
-    "transients": Meaning("loads over time by name; absent without any"),
-}
+    Attributes
+    ----------
+    static
+        Static load cases; absent without any.
+    transients
+        Loads over time by name; absent without any.
+    """
+
+    static: SolvedFields | None
+    transients: Mapping[str, SolvedFields] | None
+
+
+TABLES = tables_within(SolvedFile)
+"""Meanings of the members of such a file."""
 
 
 def write_solved(
@@ -142,15 +149,15 @@ def write_solved(
     path: Path,
 ) -> None:
     """Write fields and envelopes to an HDF5 file, atomically."""
-    members = {
-        "name": rom.name,
-        "method": rom.method,
-        "units": rom.units,
-        "nodes": rom.mesh.nodes,
-        "interfaces": rom.interfaces,
-        "static": static,
-        "transients": transients or None,
-    }
+    solved = SolvedFile(
+        name=rom.name,
+        method=rom.method,
+        units=rom.units,
+        nodes=rom.mesh.nodes,
+        interfaces=rom.interfaces,
+        static=static,
+        transients=transients or None,
+    )
     units = rom.unit_set
     with new_file(path, SOLVED, {"title": rom.name, "units": rom.units}, units) as file:
-        write_members(file, members, ROOT, units, TABLES)
+        write_members(file, solved, units, TABLES)

@@ -4,35 +4,30 @@ The file has the members of :class:`faying.study.results.values.Results` in the 
 :mod:`faying.files.described`; ``python docs/stored_groups.py`` prints its groups.
 """
 
-import re
 from collections.abc import Collection, Mapping
-from dataclasses import is_dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
-from faying._typing import Matrix
 from faying.exceptions import refuse_value
 from faying.files.described import (
     Format,
     described_file,
-    is_default,
-    items,
     new_file,
-    numbers,
     read_value,
     write_members,
 )
-from faying.files.meanings import Meaning, Table, tables_within
-from faying.interface.interface import FacePairs
-from faying.model.cells import CellBlock
-from faying.model.elements import FACES, SOLIDS
+from faying.files.meanings import Table, tables_within
+from faying.files.shapes import Axes, ShapeRules
+from faying.reduction.model_check import check_geometry, without_own
 from faying.reduction.model_data import MeshShapes
-from faying.reduction.model_reader import read_model, read_ports
+from faying.reduction.model_reader import models_of_run
 from faying.reduction.model_writer import write_models
 from faying.reduction.reduced_model import ReducedModel
+from faying.reduction.stored_model import TABLES, StoredModels
 from faying.study.results.path_record import SlipRecord
 from faying.study.results.solved_fields import RecoveredRecord
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
@@ -65,10 +60,8 @@ def write_results(value: Results | RecoveredRecord, path: Path) -> None:
     """Write the results of a run, or what is recovered from one, to an HDF5 file, atomically."""
     kind = RESULTS if isinstance(value, Results) else RECOVERED
     units, attributes = units_of(value.units), {"title": value.title, "units": value.units}
-    table = {name: meaning for name, meaning in MEANINGS[type(value)].items() if name != "reduced"}
     with new_file(path, kind, attributes, units) as file:
-        members = {name: getattr(value, name) for name in table}
-        write_members(file, members, table, units, MEANINGS)
+        write_members(file, value, units, STORED)
         if isinstance(value, Results):
             write_models(file, value.reduced, units)
 
@@ -82,50 +75,27 @@ def read_results(path: Path) -> Results:
         If the file is missing, is not a results file of faying, or is damaged.
     """
     with described_file(path, RESULTS) as file:
-        stored = {kind: table for kind, table in MEANINGS.items() if kind is not Results}
-        without = {
-            name: meaning for name, meaning in MEANINGS[Results].items() if name != "reduced"
-        }
-        results: Results = read_value(file, Results, {**stored, Results: without})
+        results: Results = read_value(file, Results, STORED)
         check_results(results)
         return replace(results, reduced=_reduced(file, results))
 
 
 def _reduced(file: h5py.File, results: Results) -> dict[str, dict[int, ReducedModel]]:
     """Return the reduced models of a run; empty where the port compliance was not stored."""
-    if "ports" not in file or "reduced" not in file:
-        return {}
-    forces = {name: bolt.initial_force for name, bolt in results.bolts.items()}
-    shapes: Matrix | None = None
-    if "shapes" in file:
-        shapes = numbers(file, "shapes")
-        shapes = shapes.reshape(len(shapes), 3 * len(results.nodes)).T
+    run: StoredModels = read_value(file, StoredModels, TABLES)
     mesh = MeshShapes(nodes=results.nodes, node_ids=results.node_ids, blocks=results.blocks)
-    joint = read_ports(file["ports"], results.interfaces, forces, mesh)
-    joint = replace(joint, name=results.title, units=results.units)
-    models: dict[str, dict[int, ReducedModel]] = {}
-    for method, sizes in items(file["reduced"]):
-        models[method] = {}
-        for count, group in items(sizes):
-            rom = replace(read_model(group, joint), method=method)
-            if shapes is not None and "shapes" in group:
-                columns = numbers(group, "shapes", (len(rom.K),), np.int64)
-                rom = replace(rom, mesh=replace(mesh, vectors=shapes, columns=columns))
-            models[method][int(count)] = rom
-    return models
+    forces = {name: bolt.initial_force for name, bolt in results.bolts.items()}
+    return models_of_run(run, results.interfaces, forces, mesh, results.title, results.units)
 
 
 MEANINGS: dict[type, Table] = tables_within(Results, RecoveredRecord, without=(ReducedModel,))
 """Meanings of the members of every stored dataclass, except for reduced models."""
 
-Axes = dict[str, int]
-"""Known lengths of axes by name."""
-
-_OPTIONAL = re.compile(r"\[n_time,?\]")
-_AXIS = re.compile(r"(?:(\d+) \+ )?(?:(\d+) )?([a-z]\w*)(?: \+ (\d+))?|(\d+)")
-
-OWN = ("n_point", "n_pair", "n_face")
-"""Axes whose lengths each interface has for itself."""
+STORED: dict[type, Table] = {
+    **MEANINGS,
+    Results: {name: told for name, told in MEANINGS[Results].items() if name != "reduced"},
+}
+"""Meanings of what is stored in a group of its name; reduced models are stored as others."""
 
 
 def check_results(results: Results) -> None:
@@ -143,112 +113,25 @@ def check_results(results: Results) -> None:
         "n_bolt": len(results.bolts),
         "n_point": _n_points(results.interfaces),
     }
-    _check(results, axes, "", timed=False)
+    RULES.check(results, axes)
 
 
-def _check(value: Any, axis_lengths: Mapping[str, int], entry: str, *, timed: bool) -> None:
-    """Check the fields of a record, which share axes of the same name."""
-    axes = dict(axis_lengths)
+def _axes_within(value: Any, entry: str, axes: Axes) -> Axes:
+    """Return the known axes within a value of a run."""
     if isinstance(value, InterfaceRecord):
-        axes = {name: length for name, length in axes.items() if name not in OWN}
+        return without_own(axes)
     if isinstance(value, CaseResult):
-        timed = value.times is not None
-    for name, meaning in MEANINGS[type(value)].items():
-        if is_default(value, name):
-            continue
-        inner, field = f"{entry}/{name}", getattr(value, name)
-        if isinstance(value, CaseResult) and name == "half_step":
-            count = 0 if value.half_step_times is None else len(value.half_step_times)
-            _check_field(field, meaning, axes | {"n_time": count}, inner, timed=timed)
-        elif isinstance(field, SlipRecord) and timed:
-            count = axes.get("n_time", 0)
-            _check_field(field, meaning, axes | {"n_increment": count}, inner, timed=timed)
-        else:
-            _check_field(field, meaning, axes, inner, timed=timed)
-    _check_record(value, axes, entry)
+        half = value.half_step_times
+        return {**axes, "n_half_time": 0 if half is None else len(half)}
+    if isinstance(value, Response) and entry.endswith("/half_step"):
+        return {**axes, "n_time": axes["n_half_time"]}
+    if isinstance(value, SlipRecord) and "n_time" in axes:
+        return {**axes, "n_increment": axes["n_time"]}
+    return axes
 
 
-def _check_field(value: Any, meaning: Meaning, axes: Axes, entry: str, *, timed: bool) -> None:
-    """Check the value of a field; members of a mapping do not share new axes."""
-    if value is None:
-        return
-    if is_dataclass(value):
-        _check(value, axes, entry, timed=timed)
-    elif isinstance(value, Mapping):
-        for name, member in value.items():
-            _check_field(member, meaning, dict(axes), f"{entry}/{name}", timed=timed)
-    elif isinstance(value, tuple) and value and is_dataclass(value[0]):
-        for number, member in enumerate(value):
-            _check(member, axes, f"{entry}/{number}", timed=timed)
-    elif meaning.shape:
-        _check_shape(np.shape(value), meaning.shape, axes, entry, timed=timed)
-        values = np.asarray(value)
-        if meaning.index:
-            length = axes[meaning.index]
-            if values.size and (values.min() < 0 or values.max() >= length):
-                span = f"from {values.min()} to {values.max()}"
-                refuse_value(f"'{entry}' holds indices {span} into {length}")
-        elif meaning.dimension not in ("", "1") and not np.isfinite(values).all():
-            refuse_value(f"'{entry}' holds numbers that are not finite")
-
-
-def _check_shape(
-    shape: tuple[int, ...], meaning: str, axes: Axes, entry: str, *, timed: bool
-) -> None:
-    text = _OPTIONAL.sub("n_time," if timed else "", meaning.strip("()"))
-    names = [name.strip() for name in text.split(",") if name.strip()]
-    fits = len(shape) == len(names) and all(
-        _fits(length, name, axes) for length, name in zip(shape, names, strict=True)
-    )
-    if not fits:
-        lengths = ", ".join(f"{name} = {axes[name]}" for name in names if name in axes)
-        message = f"'{entry}' has shape {shape}, expected {meaning}"
-        raise ValueError(f"{message} with {lengths}" if lengths else message)
-
-
-def _fits(length: int, name: str, axes: Axes) -> bool:
-    """Return whether an axis has the length of its name, which the first such axis defines."""
-    match = _AXIS.fullmatch(name)
-    if match is None or match[5]:
-        return name == str(length)
-    more = int(match[1] or 0) + int(match[4] or 0)
-    count, remainder = divmod(length - more, int(match[2] or 1))
-    return remainder == 0 and count >= 0 and axes.setdefault(match[3], count) == count
-
-
-def _check_record(value: Any, axes: Axes, entry: str) -> None:
-    """Check relations between the fields of a record."""
-    if isinstance(value, CellBlock):
-        _check_known(value.kind, SOLIDS, f"{entry}/kind")
-        _check_width(value.nodes, len(SOLIDS[value.kind].reference_nodes), f"{entry}/nodes")
-    elif isinstance(value, FacePairs):
-        _check_known(value.kind, FACES, f"{entry}/kind")
-        _check_width(value.minus, FACES[value.kind].n_nodes, f"{entry}/minus")
-    elif isinstance(value, InterfaceRecord):
-        _check_interface(value, axes["n_node"], entry)
-
-
-def _check_interface(record: InterfaceRecord, n_node: int, entry: str) -> None:
-    n_face = sum(len(faces.minus) for faces in record.faces)
-    if record.face_coverage is not None and len(record.face_coverage) != n_face:
-        message = f"'{entry}/face_coverage' has {len(record.face_coverage)} entries, not {n_face}"
-        raise ValueError(message)
-    if (record.weights < 0).any() or not ((record.penalty or 0) > 0 or record.closure):
-        refuse_value(f"'{entry}' has a negative weight or no positive penalty")
-    pairs = record.pairs[:, 0] * n_node + record.pairs[:, 1]
-    for faces in record.faces:
-        if not np.isin(faces.minus * n_node + faces.plus, pairs).all():
-            refuse_value(f"'{entry}/faces' has nodes that are not a pair of the interface")
-
-
-def _check_width(nodes: np.ndarray[Any, Any], width: int, entry: str) -> None:
-    if nodes.shape[1] != width:
-        refuse_value(f"'{entry}' has {nodes.shape[1]} nodes each, expected {width}")
-
-
-def _check_known(name: str, names: Collection[str], entry: str) -> None:
-    if name not in names:
-        refuse_value(f"'{entry}' is '{name}', expected one of {', '.join(names)}")
+RULES = ShapeRules(tables=STORED, axes_within=_axes_within, check_relations=check_geometry)
+"""Rules for the arrays of results."""
 
 
 def _check_names(results: Results) -> None:
