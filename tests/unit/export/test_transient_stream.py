@@ -167,20 +167,20 @@ def _linked(file):
 
 def _without_a_motion(file):
     slot = str(file["restart"].attrs["slot"])
-    del file["restart"][slot]["v"]
+    del file["restart"][slot]["motion.v"]
 
 
 def _announcing_more(file):
     place = file["restart"][str(file["restart"].attrs["slot"])]
-    del place["active"]
-    place.create_dataset("active", shape=(10**12,), chunks=(1024,), dtype=float)
+    del place["contact.active"]
+    place.create_dataset("contact.active", shape=(10**12,), chunks=(1024,), dtype=float)
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
         (_linked, "damaged, or another program wrote it .'/elsewhere' is a link to another place"),
-        (_without_a_motion, r"damaged, or another program wrote it .*'v'.*start again without"),
+        (_without_a_motion, r"damaged, or another program wrote it .*v is missing.*start again without"),
         (_announcing_more, "belongs to another model; start again without resume"),
     ],
 )
