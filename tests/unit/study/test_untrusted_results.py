@@ -304,7 +304,7 @@ PORTS = "ports"
         (edit(f"{KEPT}/stiffness", lambda a: -a), "stiffness' has negative eigenvalues"),
         (edit(f"{KEPT}/stiffness", lambda a: np.triu(a)), "stiffness' is not symmetric"),
         (edit(f"{KEPT}/boundary", lambda a: 0 * a), "boundary' names a coordinate twice"),
-        (edit(f"{KEPT}/boundary", lambda a: a + 1000), "boundary' points beyond the"),
+        (edit(f"{KEPT}/boundary", lambda a: a + 1000), "boundary' holds indices"),
         (edit(f"{PORTS}/compliance", lambda a: -a), "/ports/compliance' has negative eigenvalues"),
         (edit(f"{PORTS}/boundaries/tip/components", lambda a: a + 10), "holds others than 0 to 5"),
         (edit(f"{PORTS}/boundaries/tip/components", lambda a: 0 * a), "a degree of freedom twice"),
