@@ -180,7 +180,7 @@ def _announcing_more(file):
     ("change", "said"),
     [
         (_linked, "damaged, or another program wrote it .'/elsewhere' is a link to another place"),
-        (_without_a_motion, r"damaged, or another program wrote it .*v is missing.*start again without"),
+        (_without_a_motion, r"damaged, or another program wrote it .*v is missing"),
         (_announcing_more, "belongs to another model; start again without resume"),
     ],
 )
