@@ -12,8 +12,10 @@ from faying.assessment.transient_error import EXACT, REMEDY
 from faying.execution.checkpoint import finished_before, results_in, stamp_of
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
+from faying.joint.model import Model
 from faying.linalg.threads import one_thread
 from faying.reduction.method import CLASSIC
+from faying.study.inputs.load_model import LoadedModel
 from faying.study.inputs.study_files import study_mark
 from faying.study.judgement.summary import summarize
 from faying.study.keys.tables import Study
@@ -73,11 +75,11 @@ def run(
         the folder. Solutions that do not converge
         are recorded instead, and so is validation that fails.
     """
-    mark = study_mark(study)
+    mark, built = study_mark(study), None
     if resume and (out / "results.h5").exists() and not (out / "unfinished").exists():
         # A deck may include files that the study does not name.
-        _, model = assembled(study)
-        before = finished_before(out, mark + joint_mark(model))
+        built = assembled(study)
+        before = finished_before(out, mark + joint_mark(built[1]))
         if before is not None:
             return before
     with results_in(out, mark, resume=resume) as checkpoint, ExitStack() as limits:
@@ -85,7 +87,7 @@ def run(
         # Loaded after the folder was opened, since libraries print messages on a full disk.
         with books.timed("libraries"):
             limits.enter_context(one_thread())
-        results = _computed(study, books, executor)
+        results = _computed(study, books, executor, built)
         stamp = stamp_of(mark + str(checkpoint.get("joint")["mark"]))
         results = replace(results, provenance={**results.provenance, "mark": stamp})
         _write_files(study, results, out, books)
@@ -93,11 +95,16 @@ def run(
         return _write_summary(replace(results, timings=books.account()), out)
 
 
-def _computed(study: Study, books: Books, executor: Executor | None) -> Results:
-    """Compute all results of a study."""
+def _computed(
+    study: Study,
+    books: Books,
+    executor: Executor | None,
+    built: tuple[LoadedModel, Model] | None,
+) -> Results:
+    """Compute all results of a study; ``built`` is as in :func:`prepare_joint`."""
     if executor is not None:
         compute_pieces(study, executor, books)
-    joint = prepare_joint(study, books)
+    joint = prepare_joint(study, books, built)
     chosen = normal_modes_of(joint)
     trained = build_bases(joint, chosen.modes)
     choices = choose_counts(joint, trained)

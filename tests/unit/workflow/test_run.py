@@ -397,6 +397,7 @@ def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monk
 
 
 def test_a_finished_run_that_resumes_computes_nothing(tmp_path, monkeypatch):
+    build = offline.build_loaded
     path, table = tmp_path / "tiny.toml", tmp_path / "way.csv"
     table.write_text("factor\n0.5\n1.0\n")
     text = STUDY.replace(METHODS, '"compliance"')
@@ -410,8 +411,11 @@ def test_a_finished_run_that_resumes_computes_nothing(tmp_path, monkeypatch):
     assert dict(after) == {**before, "remarks": after["remarks"]}
     assert "nothing was computed" in after["remarks"][-1]
     table.write_text("factor\n0.5\n2.0\n")
+    built = []
+    monkeypatch.setattr(offline, "build_loaded", lambda loaded: built.append(0) or build(loaded))
     more = run(read_study(path), tmp_path / "out", resume=True)
     assert more["mark"] != before["mark"]
+    assert len(built) == 1  # to look for the mark, and to go on from
 
 
 def test_resuming_with_another_table_of_loads_is_refused(tmp_path, monkeypatch):

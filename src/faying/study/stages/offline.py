@@ -106,10 +106,13 @@ def assembled(study: Study) -> tuple[LoadedModel, Model]:
     return loaded, build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
 
 
-def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
+def prepare_joint(
+    study: Study, books: Books | None = None, built: tuple[LoadedModel, Model] | None = None
+) -> PreparedJoint:
     """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
 
-    Bolt forces and states are read from the checkpoint of the run's books if present.
+    Bolt forces and states are read from the checkpoint of the run's books if present. ``built`` is
+    what :func:`assembled` returned, where that was needed before.
 
     Raises
     ------
@@ -119,7 +122,7 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     books = books or Books()
     checkpoint = books.checkpoint
     with books.stage("assembly"):
-        loaded, model = assembled(study)
+        loaded, model = built or assembled(study)
         check_loads(study, model)
         _ = model.K  # formed here so that its time counts in this stage
         check_same_joint(checkpoint, model)
