@@ -26,7 +26,7 @@ Around a circle of 24 flat facets it is 0.075, across slopes of 6 degrees 0.1.
 
 
 def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vector) -> float:
-    """Return η, between 0 and 1; 0 without contact.
+    """Return η, between 0 and 1; NaN where nothing resists, without contact or friction.
 
     Points in contact at places (n, 3) [length] carry shear (2, n) [force] along tangents (2, n, 3)
     of the interface, at most the bounds μ F (n,) [force].
@@ -37,7 +37,7 @@ def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vec
     (E. Weiszfeld, Tohoku Math. J. 43 (1937) 355-386).
     """
     if not bounds.sum() > 0:
-        return 0.0
+        return np.nan
     arms = places - places.mean(axis=0)
     arms /= max(float(np.abs(arms).max()), np.finfo(float).tiny)
     moves = _moves(tangents, arms)

@@ -205,13 +205,13 @@ def slip_coefficients(
     Interfaces with friction have that of their law, or the smallest if it scatters; smooth ones
     have the given coefficients.
     """
-    given = {} if of_smooth is None else of_smooth
+    given = of_smooth
     if not isinstance(given, Mapping):
-        given = dict.fromkeys(contact.smooth_interfaces, given)
-    laws = contact.laws.items()
+        given = dict.fromkeys(contact.laws, given or 0.0)
+    laws = contact.laws
     if smallest is not None:
-        laws = {name: law.with_coefficient(smallest) for name, law in laws}.items()
-    coefficients = {name: given.get(name, law.friction) for name, law in laws}
+        laws = {name: law.with_coefficient(smallest) for name, law in laws.items()}
+    coefficients = {name: law.friction_or(given.get(name, 0.0)) for name, law in laws.items()}
     return {name: coefficient for name, coefficient in coefficients.items() if coefficient > 0}
 
 

@@ -221,7 +221,7 @@ def followed_openings(reserves: Mapping[str, SlipReserve]) -> dict[str, Openings
 def friction_used(system: System, name: str, forces: Matrix) -> float:
     """Return the share of the friction against a rigid motion that an interface uses.
 
-    Contact forces (3, n_point) [force] are normal and along both tangents.
+    NaN where there is none. Contact forces (3, n_point) [force] are normal and along both tangents.
     """
     contact = system.contact
     points = contact.slices[name]

@@ -41,7 +41,7 @@ def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Itera
     if model.interfaces:
         yield _interfaces(model, "Interfaces" if loaded.interfaces else "Candidate interfaces")
         yield _sides(model)
-        yield from _friction(model)
+        yield _friction(model)
     if model.bolts:
         yield _bolts(study, loaded, model)
     if model.boundaries:
@@ -193,14 +193,12 @@ def _interfaces(model: Model, title: str) -> Table:
     return text_table(title, columns, map(_interface, model.interfaces.values()))
 
 
-def _friction(model: Model) -> Iterator[Table]:
-    laws = model.contact.laws
-    rows = [
-        (name, laws[name].friction, float(laws[name].tangential_penalty))
-        for name in model.contact.rubbing_interfaces
-    ]
-    if rows:
-        yield text_table("Friction", ["interface", "coefficient", "tangential penalty"], rows)
+def _friction(model: Model) -> Table:
+    rows = (
+        (name, law.friction, float(law.tangential_penalty))
+        for name, law in model.contact.laws.items()
+    )
+    return text_table("Friction", ["interface", "coefficient", "tangential penalty"], rows)
 
 
 def _sides(model: Model) -> Table:

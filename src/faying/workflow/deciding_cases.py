@@ -119,8 +119,8 @@ class Deciding:
     def reserves(self, rest: Solution, slides: Matrix, opens: Matrix) -> dict[str, SlipReserve]:
         """Return the slip reserves of the cases that slide or open first.
 
-        Empty where no interface slides. Estimated load factors are (n_case, n_interface)
-        of interfaces with friction, and (n_case, n_area).
+        Empty where no interface slides. Estimated load factors are (n_case, n_interface), NaN
+        without friction, and (n_case, n_area).
         """
         found: dict[str, SlipReserve] = {}
 

@@ -112,7 +112,6 @@ def factors_of(
 ) -> dict[str, np.ndarray]:
     """Return estimated load factors at which static cases open areas, and slide."""
     system = rest.system
-    rubbing = system.contact.rubbing_interfaces
 
     def opens(solution: Solution, _: object) -> Matrix:
         return estimated_openings(rest, solution, demanded.opens, demanded.open_below)
@@ -120,14 +119,14 @@ def factors_of(
     def slides(solution: Solution, _: object) -> Matrix:
         normal = solution.contact_forces[:, None]
         used = [
-            [friction_used(system, name, forces) for name in rubbing]
+            [friction_used(system, name, forces) for name in system.interfaces]
             for forces in np.concatenate([normal, solution.shear_forces], axis=1)
         ]
         return np.asarray(1 / np.maximum(used, ROUND_OFF))
 
     return {
         OPENS: _table_of_rows(rows, solved, (len(demanded.opens),), opens),
-        SLIDES: _table_of_rows(rows, solved, (len(rubbing),), slides),
+        SLIDES: _table_of_rows(rows, solved, (len(system.interfaces),), slides),
     }
 
 

@@ -92,6 +92,10 @@ class Coulomb:
         """Return Coulomb's law with the same μ on another normal law."""
         return replace(self, normal=normal)
 
+    def friction_or(self, given: float) -> float:  # noqa: ARG002
+        """Return μ."""
+        return self.friction
+
     def with_coefficient(self, friction: float) -> "Coulomb":
         """Return the law with another μ."""
         return replace(self, friction=friction)

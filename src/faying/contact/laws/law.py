@@ -51,6 +51,9 @@ class Law(Protocol):
     def with_normal(self, normal: "Law") -> "Law":
         """Return the law with another normal component."""
 
+    def friction_or(self, given: float) -> float:
+        """Return μ of the law, or a given one where the law has none."""
+
     def with_coefficient(self, friction: float) -> "Law":
         """Return the law with another coefficient of friction; itself without friction."""
 

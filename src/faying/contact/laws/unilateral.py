@@ -36,6 +36,10 @@ class Unilateral:
         """Return the normal law alone, for there is no friction to keep."""
         return normal
 
+    def friction_or(self, given: float) -> float:
+        """Return the given coefficient."""
+        return given
+
     def with_coefficient(self, friction: float) -> Law:  # noqa: ARG002
         """Return the law itself: without tangential stiffness there is no friction."""
         return cast("Law", self)

@@ -75,6 +75,11 @@ def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
         yield from study.problems(("load_case", i), wrong)
 
 
+def has_reserve(case: LoadCaseSection, model: Model) -> bool:
+    """Return whether a load case has a slip reserve: a static load or cycle, and friction."""
+    return case.kind in ("static", "cycle") and bool(model.contact.rubbing_interfaces)
+
+
 def _check_place(boundary: str | None, boundaries: list[str]) -> None:
     if boundary is None:
         return

@@ -26,6 +26,7 @@ from faying.simulation.solution import Solution
 from faying.study.inputs.jumps import Jump, load_jumps
 from faying.study.inputs.loads import case_load, time_span, time_step
 from faying.study.judgement.comparison import accuracy, dissipation_error, recovered_error
+from faying.study.keys.friction_rules import has_reserve
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.responses import respond
@@ -39,7 +40,6 @@ from faying.study.stages.path_cases import (
     IncrementalCase,
     advances,
     goes_in_increments,
-    has_reserve,
     path_response,
     reserve_of,
     rest_state,

@@ -186,11 +186,6 @@ def _motion(model: Model, path: Solution) -> NodalMotion | None:
     return nodal_motion(model, path) if path.system is model else None
 
 
-def has_reserve(case: LoadCaseSection, model: Model) -> bool:
-    """Return whether a load case has a slip reserve: a static load or cycle, and friction."""
-    return case.kind in ("static", "cycle") and bool(model.contact.rubbing_interfaces)
-
-
 def reserve_of(
     model: Model,
     case: LoadCaseSection,
