@@ -6,6 +6,7 @@ import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
 import faying as fy
+from faying.assessment import tresca
 from faying.assessment.certificate import certifier, certify
 from faying.assessment.choose_joint_modes import choose_joint_modes
 from faying.assessment.natural_map import NaturalMap
@@ -219,7 +220,7 @@ def with_fixed_bounds(H, z_free, forces, bound):
     raise AssertionError
 
 
-def test_increments_with_fixed_bounds_lie_within_their_certificate():
+def test_increments_with_fixed_bounds_lie_within_their_certificate(monkeypatch):
     joint = tiny_lap(penalty=1e5)
     model = joint.with_bolt_forces({"bolt": 5e3}).with_friction(0.2)
     basis = fy.craig_bampton(model, normal_modes=20)
@@ -240,6 +241,10 @@ def test_increments_with_fixed_bounds_lie_within_their_certificate():
         assert np.sqrt(2 * found.energy[k]) < 3 * true  # 1.2 to 1.4 are measured
         assert true / np.sqrt(exact.ravel() @ H @ exact.ravel()) <= found.energy_error[k]
     assert (found.residual > 1e-3).all()
+    # By dense matrices between forces, as hard contact has them.
+    monkeypatch.setattr(tresca, "flexibility_by_pairs", lambda *_: None)
+    assert certify_increments(model, poor).energy == pytest.approx(found.energy, rel=1e-9)
+    monkeypatch.undo()
     own = certify_increments(model, fy.solve_path(model, loads))
     # What increments are solved to, 1e-13 of the forces, in the square root of an energy.
     assert own.energy_error.max() < 1e-6

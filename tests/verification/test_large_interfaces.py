@@ -142,5 +142,5 @@ def test_dense_matrices_beyond_the_budget_are_refused():
     with pytest.raises(ModelError, match="which exceed the dense budget; raise it"):
         _ = model.static_contact.flexibility
     wide = model.with_dense_budget(10**6)
-    with pytest.raises(ModelError, match="112 contact points exceeds the dense budg"):
+    with pytest.raises(ModelError, match="112 contact forces exceeds the dense budg"):
         wide.with_dense_budget(100).contact.at_points(wide.port_compliance.relative)

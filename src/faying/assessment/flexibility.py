@@ -57,11 +57,13 @@ class Flexibility(Protocol):
 class ElasticFlexibility:
     """H = N S Nᵀ + D of points that all yield, by the pairs beneath them.
 
-    With the stiffness Σ = S⁻¹ between pairs, H⁻¹ = D⁻¹ − D⁻¹ N (Σ + Nᵀ D⁻¹ N)⁻¹ Nᵀ D⁻¹.
+    With the stiffness Σ = S⁻¹ between pairs, H⁻¹ = D⁻¹ − D⁻¹ N (Σ + Nᵀ D⁻¹ N)⁻¹ Nᵀ D⁻¹. With
+    friction every component of force at a point counts as a point.
 
     Attributes
     ----------
     N : (n_point, n_relative)
+        Displacements along the forces.
     compliance : (n_relative, n_relative) [length/force]
         S.
     held : (n_relative, n_relative) [length/force]
@@ -199,18 +201,26 @@ def joint_flexibility(joint: Joint) -> Flexibility:
     One inverse of n_relative³ multiplications where all points yield and the structure deforms
     whenever pairs move; else :func:`flexibility`.
     """
-    contact, problem = joint.contact, joint.static_contact
-    if not contact.yields:
-        return flexibility(problem.flexibility)
-    contact.check_frictionless()
+    joint.contact.check_frictionless()
+    by_pairs = flexibility_by_pairs(joint, joint.contact.interpolation, joint.contact.flexibility)
+    return flexibility(joint.static_contact.flexibility) if by_pairs is None else by_pairs
+
+
+def flexibility_by_pairs(joint: Joint, N: SparseMatrix, yields: Vector) -> Flexibility | None:
+    """Return H of a joint along some forces, which displace pairs by Nᵀ and points by D.
+
+    None with hard points, or where some motion of the pairs deforms nothing.
+    """
+    if not joint.contact.yields:
+        return None
+    between = joint.static_contact.between
     try:
-        stiffness = problem.between.stiffness
-    except la.LinAlgError:  # some motion of the pairs deforms nothing
-        return flexibility(problem.flexibility)
-    N, yields = contact.interpolation, contact.flexibility
+        stiffness = between.stiffness
+    except la.LinAlgError:
+        return None
     held = HeldPairs.on_springs(PointSprings(G=N, components=1), 1.0 / yields[None], stiffness)
     return ElasticFlexibility(
-        N=N, compliance=problem.between.compliance, held=held.compliance, yields=yields
+        N=N, compliance=between.compliance, held=held.compliance, yields=yields
     )
 
 

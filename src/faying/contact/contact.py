@@ -347,15 +347,15 @@ class Contact:
         gap: Matrix = (self.interpolation @ np.asarray(relative_displacement).T).T
         return gap + self.initial_gap
 
-    def at_points(self, compliance: Matrix) -> Matrix:
-        """Return the compliance between contact points N S Nᵀ from one between node pairs."""
-        if not points_fit(self.n_points, self.dense_budget):
+    def at_points(self, compliance: Matrix, rows: SparseMatrix | None = None) -> Matrix:
+        """Return the compliance N S Nᵀ between contact points, or along other rows of G than N."""
+        rows = self.interpolation if rows is None else rows
+        if not points_fit(rows.shape[0], self.dense_budget):
             message = (
-                f"a dense matrix between {self.n_points} contact points exceeds the dense budget "
+                f"a dense matrix between {rows.shape[0]} contact forces exceeds the dense budget "
                 f"of {self.dense_budget:.2g} bytes; solve without it (solve_static, "
                 "solve_transient), use a coarser interface, or raise the budget with "
                 "model.with_dense_budget"
             )
             raise ModelError(message)
-        half = self.interpolation @ compliance
-        return np.asarray(self.interpolation @ half.T)
+        return np.asarray(rows @ (rows @ compliance).T)

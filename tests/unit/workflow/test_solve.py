@@ -850,10 +850,13 @@ def test_cases_that_decide_have_the_verdict_of_all(tmp_path, monkeypatch):
     monkeypatch.setattr(
         deciding_cases,
         "least_factor",
-        lambda factors, exact, *_: followed.append([exact(row) for row in range(len(factors))]),
+        lambda factors, exact, *_: followed.append(
+            [exact(row) for row in np.flatnonzero(~np.isnan(factors)).tolist()]
+        ),
     )
     every = solved("--worst", str(len(rows)))
-    assert {len(factors) for factors in followed} == {len(rows)}
+    # Without friction no case slides.
+    assert {len(factors) for factors in followed} == {0, len(rows)}
     assert found["table"] == every["table"]
     assert found["open_questions"] == every["open_questions"]
     checks = [check for part in every["parts"] for check in part["checks"]]

@@ -128,7 +128,7 @@ def path_response(run: IncrementalCase, like: Response | None = None) -> Respons
         seconds,
         path=record,
         motion=_motion(model, path),
-        certificate=_certificate(model, path, preloaded),
+        certificate=_certificate(run, path),
     )
 
 
@@ -168,17 +168,14 @@ def _cycle_response(run: IncrementalCase, like: Response | None) -> Response:
     return respond(last_of(last.cycle), run.model, seconds, cycles=records, motion=motion)
 
 
-MOST_CERTIFIED = 1000
-"""Most contact points with three components for which H is factorized on every path: seconds."""
-
-
-def _certificate(model: Model, path: Solution, preloaded: Solution) -> IncrementCertificate | None:
+def _certificate(run: IncrementalCase, path: Solution) -> IncrementCertificate | None:
     """Return error bounds of the increments of a reduced model; None for the full model."""
-    contact = model.contact
-    certified = contact.proportional and contact.n_points <= MOST_CERTIFIED
-    if path.system is model or contact.forgets or not certified:
+    model = run.model
+    if path.system is model or model.contact.forgets or not model.contact.proportional:
         return None
-    return certify_increments(model, path, preloaded)
+    with run.books.attempt(f"{run.case.name}, bounds"):
+        return certify_increments(model, path, run.preloaded)
+    return None
 
 
 def _motion(model: Model, path: Solution) -> NodalMotion | None:
