@@ -113,11 +113,15 @@ def test_friction_of_the_surfaces_scatters_along_paths():
     preloaded = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3}).with_friction(0.2)
     rom = fy.reduce(preloaded, fy.craig_bampton(preloaded, normal_modes=3), compliance=True)
     load = fy.Load({"tip.Fx": 1200.0}, name="pull")
-    scatter = fy.PreloadScatter(surface_friction=(0.1, 0.3), samples=6)
+    scatter, solved = fy.PreloadScatter(surface_friction=(0.1, 0.3), samples=6), list[int]()
     full, reduced = (
-        {one.metric: one for one in preload_spreads(one, rom.interfaces, load, scatter)}
+        {
+            one.metric: one
+            for one in preload_spreads(one, rom.interfaces, load, scatter, progress=solved.append)
+        }
         for one in (preloaded, rom)
     )
+    assert solved == [1] * 2 * scatter.tightenings  # each told as it is solved
     for metric, one in full.items():
         # Static pressures of the reduced model are exact, to what increments are solved to.
         assert reduced[metric].most == pytest.approx(one.most, rel=1e-6, abs=1e-9), metric

@@ -52,6 +52,9 @@ from faying.units import units_of
 UNTOLD = "the file has no tangential forces along it; reduce the study again"
 """Reason for unknown slip by sums with files of earlier versions."""
 
+Progress = Callable[[int], object] | None
+"""Function that is called with the number of further steps, if any."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointJudge:
@@ -73,6 +76,8 @@ class JointJudge:
         Threads, ranges and temperatures for the strength of bolts.
     attempt
         Context, by name, for parts that may fail; by default they raise.
+    stage
+        Context, by name and number of steps, that returns a function to report progress.
     loads
         Static load cases.
     followed
@@ -96,6 +101,7 @@ class JointJudge:
     requirements: Requirements
     strengths: BoltStrengths
     attempt: Callable[[str], AbstractContextManager[object]] = nullcontext
+    stage: Callable[[str, int], AbstractContextManager[Progress]] = lambda *_: nullcontext()
     loads: Sequence[NamedLoad] = ()
     followed: Collection[str] = ()
     summed: Sequence[NamedLoad] = ()
@@ -137,9 +143,12 @@ class JointJudge:
         judged_cases = self._assess(paths, demands, unfollowed)
         spreads, scatter, threads = list[Spread](), self.scatter, self.strengths.threads
         if scatter is not None:
-            with self.attempt("preload scatter"):
+            count = scatter.tightenings * len(self.loads)
+            with self.attempt("preload scatter"), self.stage("preload scatter", count) as told:
                 for load in self.loads:
-                    spreads += preload_spreads(self.exact, self.surfaces, load, scatter, threads)
+                    spreads += preload_spreads(
+                        self.exact, self.surfaces, load, scatter, threads, told
+                    )
         return replace(judged_cases, scatter=tuple(spreads))
 
     def certified(

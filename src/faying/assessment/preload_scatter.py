@@ -1,6 +1,6 @@
 """The effect of scatter of the preloads: metrics of a load case over many tightenings."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -58,6 +58,11 @@ class PreloadScatter:
     head_friction: tuple[float, float] | None = None
     surface_friction: tuple[float, float] | None = None
     samples: int = 200
+
+    @property
+    def tightenings(self) -> int:
+        """Number of tightenings for a load case: all samples, and the nominal one."""
+        return 1 + self.samples
 
     def __post_init__(self) -> None:
         wrong = []
@@ -120,11 +125,12 @@ def preload_spreads(
     load: NamedLoad,
     scatter: PreloadScatter,
     threads: Mapping[str, Thread] = MappingProxyType({}),
+    progress: Callable[[int], object] | None = None,
 ) -> tuple[Spread, ...]:
     """Return the metrics of a static load case over scattered preloads.
 
     Histories are taken at time zero. Threads of bolts give the preload of a torque with scattered
-    friction in thread and head.
+    friction in thread and head. ``progress`` is called with the number of further tightenings.
 
     Raises
     ------
@@ -151,7 +157,8 @@ def preload_spreads(
     tables = list[Matrix]()
     for joint, rows in _joints(system, inputs, scatter, rng):
         ways = [_path_inputs(joint, row) for row in rows]
-        tables.append(case_metrics(solve_ends(joint, ways, None, load.name), interfaces))
+        ends = solve_ends(joint, ways, None, load.name, progress)
+        tables.append(case_metrics(ends, interfaces))
     table = np.concatenate(tables)
     for column, metric in enumerate(metrics):
         if metric.worst is None:

@@ -111,20 +111,28 @@ def contact_along(system: Joint, relative: Matrix, begun: Callable[[], PathStep]
 
 
 def contact_at_ends(
-    system: Joint, ways: Sequence[Matrix], begun: Callable[[], PathStep]
+    system: Joint,
+    ways: Sequence[Matrix],
+    begun: Callable[[], PathStep],
+    progress: Callable[[int], object] | None = None,
 ) -> ContactStates:
     """Return contact states at the ends of several paths.
 
     Each path is given and solved as in :func:`contact_along`. Without history the ends are
-    independent cases and are solved together.
+    independent cases and are solved together. ``progress`` is called with the number of further
+    paths.
     """
     if system.contact.forgets:
         ends = np.array([way[-1] for way in ways])
+        if progress is not None:
+            progress(len(ways))
         return contact_along(system, ends.reshape(-1, system.port_compliance.n_relative), begun)
     start, solver = begun(), system.static_contact.increments
     steps: list[PathStep] = []
     for way in ways:
         steps += deque(follow(solver, way, start), maxlen=1)
+        if progress is not None:
+            progress(1)
     return states_of(system.contact, steps)
 
 
@@ -293,15 +301,19 @@ def solve_ramps(
 
 
 def solve_ends(
-    system: System, ways: Sequence[Matrix], initial: Solution | None, name: str
+    system: System,
+    ways: Sequence[Matrix],
+    initial: Solution | None,
+    name: str,
+    progress: Callable[[int], object] | None = None,
 ) -> Solution:
     """Solve many paths of inputs (n_load, n_input) from one state; return the end of each.
 
-    One back-substitution for each.
+    One back-substitution for each. ``progress`` is called with the number of further paths.
     """
     require_states(system, len(ways))
     n_input = len(system.port_compliance.input_rows)
     inputs = np.array([way[-1] for way in ways]).reshape(-1, n_input)
     relative = [moved_alone(system, way) for way in ways]
-    contact = contact_at_ends(system, relative, partial(path_start, system, initial))
+    contact = contact_at_ends(system, relative, partial(path_start, system, initial), progress)
     return solution_of(system, inputs, contact, name)

@@ -81,6 +81,7 @@ def test_requirements_are_judged_over_static_cases_and_transients(tmp_path):
     spread = {(one.case, one.metric): one for one in found.scatter}["bend", "clamp_force.joint"]
     assert spread.least < spread.meant < spread.most
     assert summary["assessment"]["scatter"][0]["case"] == "bend"
+    assert summary["timings"]["stages"]["preload scatter"] > 0  # a stage that shows its progress
     stress = found.bolts["bolt"].thread
     assert stress.proof == pytest.approx(640.0, rel=1e-12)
     assert summary["assessment"]["bolts"]["bolt"]["thread"]["axial"] == stress.axial

@@ -56,6 +56,7 @@ def assess_run(
             requirements=requirements_of(study.requirement),
             strengths=replace(StudyBolts.of(study).strengths, tightened=joint.loaded.preloads),
             attempt=books.attempt,
+            stage=books.stage,
             loads=loads,
             followed=[load.name for load in loads],
             summed=_static_loads(study.load_cases),
