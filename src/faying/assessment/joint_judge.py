@@ -15,7 +15,7 @@ from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.joint_assessment import dissimilar_checks, judged, loosest_checks
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
-from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
+from faying.assessment.preload_scatter import PreloadScatter, spreads_of_cases
 from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
@@ -52,9 +52,6 @@ from faying.units import units_of
 UNTOLD = "the file has no tangential forces along it; reduce the study again"
 """Reason for unknown slip by sums with files of earlier versions."""
 
-Progress = Callable[[int], object] | None
-"""Function that is called with the number of further steps, if any."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointJudge:
@@ -76,8 +73,6 @@ class JointJudge:
         Threads, ranges and temperatures for the strength of bolts.
     attempt
         Context, by name, for parts that may fail; by default they raise.
-    stage
-        Context, by name and number of steps, that returns a function to report progress.
     loads
         Static load cases.
     followed
@@ -88,8 +83,6 @@ class JointJudge:
         Load case to its slip reserve, of joints with friction.
     openings
         Load case to its openings, for cases that were followed before.
-    scatter
-        Scatter of the preloads, for spreads of the metrics of each static load case.
     rest
         Solution of the preloaded state, of joints with friction.
     """
@@ -101,13 +94,11 @@ class JointJudge:
     requirements: Requirements
     strengths: BoltStrengths
     attempt: Callable[[str], AbstractContextManager[object]] = nullcontext
-    stage: Callable[[str, int], AbstractContextManager[Progress]] = lambda *_: nullcontext()
     loads: Sequence[NamedLoad] = ()
     followed: Collection[str] = ()
     summed: Sequence[NamedLoad] = ()
     reserves: Mapping[str, SlipReserve] = field(default_factory=dict)
     openings: Mapping[str, Openings] = field(default_factory=dict)
-    scatter: PreloadScatter | None = None
     rest: Solution | None = None
 
     @cached_property
@@ -140,16 +131,7 @@ class JointJudge:
         # Cases without history are judged by the factors at which they open, where these are found.
         judged_by_factors = self.memoryless.keys() - (set(self.followed) - paths.keys())
         unfollowed = {n: state for n, state in self.cases.items() if n not in judged_by_factors}
-        judged_cases = self._assess(paths, demands, unfollowed)
-        spreads, scatter, threads = list[Spread](), self.scatter, self.strengths.threads
-        if scatter is not None:
-            count = scatter.tightenings * len(self.loads)
-            with self.attempt("preload scatter"), self.stage("preload scatter", count) as told:
-                for load in self.loads:
-                    spreads += preload_spreads(
-                        self.exact, self.surfaces, load, scatter, threads, told
-                    )
-        return replace(judged_cases, scatter=tuple(spreads))
+        return self._assess(paths, demands, unfollowed)
 
     def certified(
         self, certifier: Callable[[], Certifier | None], pressure: Matrix | None = None
@@ -395,9 +377,12 @@ def assess(
         loads=loads,
         followed=names if paths else (),
         summed=loads,
-        scatter=scatter,
     ).certified(partial(certifier, full), _exact(system, loads, cases))
-    return judge.with_strength(judge.assessment(), states, {})
+    assessment, threads = judge.assessment(), judge.strengths.threads
+    if scatter is not None:
+        spreads = spreads_of_cases(system, judge.surfaces, loads, scatter, threads)
+        assessment = replace(assessment, scatter=spreads)
+    return judge.with_strength(assessment, states, {})
 
 
 def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:

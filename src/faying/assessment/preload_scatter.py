@@ -1,7 +1,9 @@
 """The effect of scatter of the preloads: metrics of a load case over many tightenings."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
+from itertools import chain
 from types import MappingProxyType
 
 import numpy as np
@@ -59,11 +61,6 @@ class PreloadScatter:
     surface_friction: tuple[float, float] | None = None
     samples: int = 200
 
-    @property
-    def tightenings(self) -> int:
-        """Number of tightenings for a load case: all samples, and the nominal one."""
-        return 1 + self.samples
-
     def __post_init__(self) -> None:
         wrong = []
         if not 1 <= self.tightening_factor < np.inf:
@@ -119,6 +116,24 @@ class Spread:
     most: float
 
 
+Stage = Callable[[str, int], AbstractContextManager[Callable[[int], object] | None]]
+"""Context, by name and number of steps, that may return a function to report progress."""
+
+
+def spreads_of_cases(
+    system: Model | ReducedModel,
+    interfaces: Mapping[str, ContactSurface],
+    loads: Sequence[NamedLoad],
+    scatter: PreloadScatter,
+    threads: Mapping[str, Thread],
+    stage: Stage = lambda *_: nullcontext(),
+) -> tuple[Spread, ...]:
+    """Return the metrics of static load cases over scattered preloads, in one stage."""
+    with stage("preload scatter", (1 + scatter.samples) * len(loads)) as told:
+        each = (preload_spreads(system, interfaces, load, scatter, threads, told) for load in loads)
+        return tuple(chain.from_iterable(each))
+
+
 def preload_spreads(
     system: Model | ReducedModel,
     interfaces: Mapping[str, ContactSurface],
@@ -153,11 +168,18 @@ def preload_spreads(
     rng = np.random.default_rng(0)
     meant = load.inputs(system, np.zeros(1))
     inputs = np.vstack([meant, _sampled_inputs(system, meant, scatter, threads, rng)])
+
+    def told(ways: Sequence[Matrix]) -> Iterator[Matrix]:
+        for way in ways:
+            yield way
+            if progress is not None:
+                progress(1)
+
     metrics, spreads = metrics_of(system, interfaces, certified=False), list[Spread]()
     tables = list[Matrix]()
     for joint, rows in _joints(system, inputs, scatter, rng):
         ways = [_path_inputs(joint, row) for row in rows]
-        ends = solve_ends(joint, ways, None, load.name, progress)
+        ends = solve_ends(joint, ways, None, load.name, told)
         tables.append(case_metrics(ends, interfaces))
     table = np.concatenate(tables)
     for column, metric in enumerate(metrics):

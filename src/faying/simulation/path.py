@@ -1,7 +1,7 @@
 """Quasi-static load paths: increments of load, with friction that depends on the slip so far."""
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -111,28 +111,20 @@ def contact_along(system: Joint, relative: Matrix, begun: Callable[[], PathStep]
 
 
 def contact_at_ends(
-    system: Joint,
-    ways: Sequence[Matrix],
-    begun: Callable[[], PathStep],
-    progress: Callable[[int], object] | None = None,
+    system: Joint, ways: Iterable[Matrix], begun: Callable[[], PathStep]
 ) -> ContactStates:
     """Return contact states at the ends of several paths.
 
     Each path is given and solved as in :func:`contact_along`. Without history the ends are
-    independent cases and are solved together. ``progress`` is called with the number of further
-    paths.
+    independent cases and are solved together.
     """
     if system.contact.forgets:
         ends = np.array([way[-1] for way in ways])
-        if progress is not None:
-            progress(len(ways))
         return contact_along(system, ends.reshape(-1, system.port_compliance.n_relative), begun)
     start, solver = begun(), system.static_contact.increments
     steps: list[PathStep] = []
     for way in ways:
         steps += deque(follow(solver, way, start), maxlen=1)
-        if progress is not None:
-            progress(1)
     return states_of(system.contact, steps)
 
 
@@ -305,15 +297,15 @@ def solve_ends(
     ways: Sequence[Matrix],
     initial: Solution | None,
     name: str,
-    progress: Callable[[int], object] | None = None,
+    walked: Callable[[Sequence[Matrix]], Iterable[Matrix]] = iter,
 ) -> Solution:
     """Solve many paths of inputs (n_load, n_input) from one state; return the end of each.
 
-    One back-substitution for each. ``progress`` is called with the number of further paths.
+    One back-substitution for each. Paths with history are taken from ``walked`` as they are solved.
     """
     require_states(system, len(ways))
     n_input = len(system.port_compliance.input_rows)
     inputs = np.array([way[-1] for way in ways]).reshape(-1, n_input)
-    relative = [moved_alone(system, way) for way in ways]
-    contact = contact_at_ends(system, relative, partial(path_start, system, initial), progress)
+    relative = (moved_alone(system, way) for way in walked(ways))
+    contact = contact_at_ends(system, relative, partial(path_start, system, initial))
     return solution_of(system, inputs, contact, name)

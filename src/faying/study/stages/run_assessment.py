@@ -6,6 +6,7 @@ from dataclasses import replace
 from faying.assessment.check import Check
 from faying.assessment.joint_judge import JointJudge, rest_of
 from faying.assessment.joint_record import REST, Assessment, CaseState
+from faying.assessment.preload_scatter import spreads_of_cases
 from faying.assessment.slip_reserve import followed_openings
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
@@ -47,7 +48,6 @@ def assess_run(
         # Pressures and bolt forces of backbones belong to the preloaded joint.
         states = loaded | vibrating or {REST: state_of_case(next(iter(cases.values())))}
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
-        scatter = study.preload_scatter
         judge = JointJudge(
             system=joint.model,
             exact=exact,
@@ -56,7 +56,6 @@ def assess_run(
             requirements=requirements_of(study.requirement),
             strengths=replace(StudyBolts.of(study).strengths, tightened=joint.loaded.preloads),
             attempt=books.attempt,
-            stage=books.stage,
             loads=loads,
             followed=[load.name for load in loads],
             summed=_static_loads(study.load_cases),
@@ -64,16 +63,19 @@ def assess_run(
             openings=followed_openings(
                 {load.name: reserves[load.name] for load in loads if load.name in reserves}
             ),
-            scatter=None if scatter is None else scatter.spread,
             rest=joint.rest,
         )
         with books.attempt("certified bounds"):
             judge = judge.certified(lambda: joint.certifier)
-        assessment = judge.assessment()
+        assessment, threads = judge.assessment(), judge.strengths.threads
+        if study.preload_scatter is not None:
+            scattered = exact, judge.surfaces, loads, study.preload_scatter.spread, threads
+            with books.attempt("preload scatter"):
+                spreads = spreads_of_cases(*scattered, books.stage)
+                assessment = replace(assessment, scatter=spreads)
         # What is told of bolts of known threads where their strength cannot be computed.
         unknown = (
-            Check(part=name, kind="bolt", quantity="yield", reason=FAILED)
-            for name in judge.strengths.threads
+            Check(part=name, kind="bolt", quantity="yield", reason=FAILED) for name in threads
         )
         assessment = replace(assessment, checks=tuple(unknown))
         with books.attempt("strength of bolts"):
