@@ -385,17 +385,18 @@ PROBLEMS = (
 )
 
 
-def lines() -> Iterator[str]:
-    """Solve all problems, yield the table as Markdown."""
-    yield f"| {' | '.join(COLUMNS)} |"
-    yield "|---" * len(COLUMNS) + "|"
-    for problem in PROBLEMS:
-        titles = problem.name, problem.source
-        for row in problem.rows():
-            cells = *titles, *vars(row).values(), f"`{problem.test}.py`"
-            yield f"| {' | '.join(cells)} |".replace("  ", " ")
-            titles = "", ""
+HEAD = f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|"
+
+
+def lines(problem: Problem) -> Iterator[str]:
+    """Solve a problem, yield its rows of the table as Markdown."""
+    titles = problem.name, problem.source
+    for row in problem.rows():
+        cells = *titles, *vars(row).values(), f"`{problem.test}.py`"
+        yield f"| {' | '.join(cells)} |".replace("  ", " ")
+        titles = "", ""
 
 
 if __name__ == "__main__":
-    sys.stdout.write("\n".join(lines()) + "\n")
+    table = [*HEAD, *(line for problem in PROBLEMS for line in lines(problem))]
+    sys.stdout.write("\n".join(table) + "\n")

@@ -44,7 +44,7 @@ def run(system, rho, step, duration=60.0, force=-2.0):
 @pytest.mark.parametrize("stop", [8.0, 1e6, np.inf])
 @pytest.mark.parametrize("step", [0.01, 0.1, 1.0, 10.0])
 def test_the_midpoint_rule_loses_only(step, stop, residual):
-    motion = run(two_masses(stop, residual, damping=0.0), 1.0, step, duration=max(20.0, 300 * step))
+    motion = run(two_masses(stop, residual, damping=0.0), 1.0, step, duration=max(8.0, 300 * step))
     closed = motion.contact_forces[:, 0] > 0
     assert np.count_nonzero(np.diff(closed)) > 1  # contact opens and closes
     lost = fy.energy_balance(motion).numerical_dissipation
@@ -53,17 +53,19 @@ def test_the_midpoint_rule_loses_only(step, stop, residual):
 
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 1.0])
 @pytest.mark.parametrize("kind", ["penalty", "residual", "hard", "hard-residual"])
-def test_energy_is_never_more_than_was_supplied(kind, rho):
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2, 3))]
+)
+def test_energy_is_never_more_than_was_supplied(kind, rho, seed):
     """On random joints of coupled points, at steps of a tenth to ten times their periods."""
-    for seed in range(4):
-        rng = np.random.default_rng(seed)
-        system = layers(rng, hard="hard" in kind, residual="residual" in kind)
-        for step in (0.01, 0.1, 1.0):
-            motion = run(system, rho, step, duration=100 * step)
-            balance = fy.energy_balance(motion)
-            scale = np.abs(balance.work).max() + balance.stored.max()
-            assert balance.numerical_dissipation.min() > -ROUND_OFF * scale
-            assert np.count_nonzero(np.diff(motion.contact_forces > 0, axis=0)) > 0
+    rng = np.random.default_rng(seed)
+    system = layers(rng, hard="hard" in kind, residual="residual" in kind)
+    for step in (0.01, 0.1, 1.0):
+        motion = run(system, rho, step, duration=100 * step)
+        balance = fy.energy_balance(motion)
+        scale = np.abs(balance.work).max() + balance.stored.max()
+        assert balance.numerical_dissipation.min() > -ROUND_OFF * scale
+        assert np.count_nonzero(np.diff(motion.contact_forces > 0, axis=0)) > 0
 
 
 @pytest.mark.parametrize("hard", [False, True])

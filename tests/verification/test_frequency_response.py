@@ -33,14 +33,15 @@ def lap():
 
 
 def test_where_nothing_slips_it_is_the_linear_response(slider):
-    found = fy.frequency_response(slider, {"mass.Fx": 1 + 1j}, [2.0, 3.1, 3.2, 5.0], [1e-3])
+    load, frequencies = {"mass.Fx": 1 + 1j}, [2.8, 3.1, 3.2, 3.6]
+    found = fy.frequency_response(slider, load, frequencies, [1e-3], harmonics=3, samples=48)
     curve = found.curves[0]
     assert curve.missed == ()
     circular = 2 * np.pi * curve.frequency
     expected = 1e-3 * (1 + 1j) / (SPRING + SLIDER - MASS * circular**2 + 1j * DAMPER * circular)
     # Newton's method stops where the next step is 1e-9.
     np.testing.assert_allclose(curve.response("mass.ux"), expected, rtol=1e-8)
-    assert {2.0, 3.1, 3.2, 5.0} <= set(curve.frequency.round(12))
+    assert set(frequencies) <= set(curve.frequency.round(12))
     assert curve.contact is not None
     assert (curve.contact.friction_energy == 0).all()
     assert (curve.contact.slip_share == 0).all()

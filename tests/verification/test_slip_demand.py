@@ -16,6 +16,7 @@ from faying.joint.build import build_model
 from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.model.assembly import Support
 from faying.units import units_of
+from lap_joints import tiny_lap
 
 PULL = {"tip.Fx": 1.2e3, "tip.Fy": 80.0, "tip.Mz": 500.0, "tip.Fz": -100.0}
 LOADS = [fy.Load(PULL, name="pull"), fy.Load({"tip.Fz": -200.0}, name="bend")]
@@ -152,6 +153,13 @@ def test_what_nothing_tells_is_said():
     assert (
         not fy.assess(stuck, [fy.Load(name="rest")], paths=False).interfaces["joint"].slip.unknown
     )
+
+
+def test_bolts_of_given_matrices_hide_their_lateral_forces():
+    model = fy.preload(tiny_lap(), {"bolt": 5e3})
+    hidden = replace(model, bolts={"bolt": replace(model.bolts["bolt"], shank=None)})
+    found = fy.assess(hidden, [fy.Load(name="rest")], paths=False).interfaces["joint"].slip
+    assert found.unknown == "bolt 'bolt' is part of given matrices, which hide its lateral force"
 
 
 def test_both_faces_of_a_plate_can_be_one_interface():
