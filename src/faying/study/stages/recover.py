@@ -192,10 +192,12 @@ def reduced_model(results: Results, method: str, joint_modes: int | None = None)
         Number of joint modes; may be omitted if the method has one model.
     """
     if not results.reduced:
+        pairs = sum(len(record.pairs) for record in results.interfaces.values())
         refuse_study(
-            f"the results of '{results.title}' hold no port compliance: they are from an older "
-            f"version of faying, or the interfaces need more than {MOST_PORTS} ports; run the "
-            "study again, or recover in Python with faying.recover_from_modal"
+            f"the results of '{results.title}' hold no port compliance, as its {pairs} node pairs "
+            f"(three ports each with friction) make more than {MOST_PORTS} ports; faying reduce "
+            "writes it to a file: fy.read_reduced_model reads that, fy.recover_from_boundary_loads "
+            "or fy.recover_from_modal with its 'recovery' computes the pressures"
         )
     if method not in results.reduced:
         refuse_study(
