@@ -202,6 +202,15 @@ def test_bad_requests_are_refused(slider, arguments, message):
         fy.backbone(slider, *arguments)
 
 
+def test_amplitudes_across_the_motion_of_a_place_are_told():
+    """A bolt beside the middle: the bending mode moves the tip a little sideways."""
+    joint = tiny_lap(bolt_positions=((0.0, 2.0),)).with_bolt_forces({"bolt": 10e3})
+    rubbing = joint.with_friction(0.2)
+    said, unsaid = (fy.backbone(rubbing, 1, [1e-4], at=at).remarks for at in ("tip.uy", "tip"))
+    assert "mode 1 moves 'tip.uy' by 4.4e-03 of its motion there" in said[0]
+    assert not any("of its motion there" in text for text in unsaid)
+
+
 def test_places_where_nothing_moves_are_refused(slider):
     with pytest.raises(ModelError, match="leaves 'other' still; measure its amplitude"):
         fy.backbone(slider, 1, [0.1], at="other")

@@ -120,7 +120,7 @@ class ModalAnalysis:
             slip_distance=column("slip_distance"),
             masing_frequency=np.sqrt(load / first) / (2 * np.pi) if masing else None,
             masing_damping=lost / (2 * np.pi * load * first) if masing else None,
-            remarks=_remarks(self.shape, self.mode, rows, self.swing, self.measure.name),
+            remarks=_remarks(self.shape, self.mode, rows, self.swing, self.measure),
             over=self.over,
         )
 
@@ -273,10 +273,23 @@ def _checked(
     return levels
 
 
+OBLIQUE = 1e-2
+"""Share of the motion of a place along a measured component below which amplitudes say little.
+
+A sensor that is turned by half a degree measures as much of the rest.
+"""
+
+
 def _remarks(
-    stuck: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing, measured_at: str
+    stuck: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing, measure: Measure
 ) -> tuple[str, ...]:
-    remarks, unit = [], amplitude_unit(measured_at, swing.system.units)
+    remarks, unit = [], amplitude_unit(measure.name, swing.system.units)
+    if measure.share < OBLIQUE:
+        remarks.append(
+            f"mode {mode} moves '{measure.name}' by {measure.share:.1e} of its motion there: "
+            f"amplitudes stand for motions {1 / measure.share:.0f} times as large; measure along "
+            "its main component, or leave 'at' out"
+        )
     if stuck.contact_share < DECK_DIGITS:
         remarks.append(
             f"mode {mode} does not move the joint: its contact holds {stuck.contact_share:.1e} of "

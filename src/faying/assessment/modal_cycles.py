@@ -40,11 +40,14 @@ class Measure:
         Direction of the mode there, over the boundary degrees of freedom of all boundaries.
     unit : [length]
         Displacement of the mode along it.
+    share : [1]
+        The same over the whole displacement, or rotation, of the mode there.
     """
 
     name: str
     rows: Vector
     unit: float
+    share: float
 
 
 def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[StuckMode, Measure]:
@@ -77,12 +80,14 @@ def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[
             f"where it moves: at = a boundary, or one of its components as '{name}.rx'"
         )
         raise StillModeError(message)
+    alike = [3, 4, 5] if rows[0] > 2 else [0, 1, 2]
+    whole = float(np.linalg.norm(_direction(system, name, alike, mode.shape)))
     sign = side * np.sign(direction[_first(np.abs(direction), 0.5)])
     ports = np.zeros(system.port_compliance.n_boundary)
     ports[boundary_slices(system.boundaries)[name]] = sign * direction / unit
     return (
         replace(mode, shape=sign * mode.shape),
-        Measure(name=measured_at or name, rows=ports, unit=unit),
+        Measure(name=measured_at or name, rows=ports, unit=unit, share=unit / whole),
     )
 
 

@@ -335,7 +335,9 @@ def test_results_without_ports_say_so(folder, tmp_path):
     (tmp_path / "results.h5").write_bytes(Path(folder / "results.h5").read_bytes())
     with h5py.File(tmp_path / "results.h5", "r+") as file:
         del file["ports"], file["reduced"]
-    with pytest.raises(StudyError, match=r"hold no port compliance, as its \d+ node pairs .*faying reduce"):
+    with pytest.raises(
+        StudyError, match=r"hold no port compliance, as its \d+ node pairs .*faying reduce"
+    ):
         reduced_model(results_of(tmp_path), "compliance")
 
 
