@@ -9,8 +9,9 @@ laws, a problem is
 and a step solves (Σ + Gᵀ K G) d = −R with K = −∂λ/∂z (:mod:`~faying.contact.glued_pairs`). The
 whole step is taken where that halves R, or its part dᵀR along the step; otherwise a length at
 which dᵀR vanishes. Without friction R is the gradient of a convex energy, and the method always
-converges. Coulomb's law has no energy: where a step does not descend or is short, the next one
-fixes the bounds of tangential forces at the last normal forces, which is convex again (Tresca).
+converges. Coulomb's law has no energy: in place of a step that does not descend, and after a short
+one, the bounds of tangential forces are fixed at the last normal forces, which is convex again
+(Tresca).
 """
 
 from collections.abc import Callable
@@ -230,7 +231,6 @@ def descend(
             state, form = form(state), None
         if state.left <= solved or steps_ended(state.left, previous):
             break
-        previous = state.left
         K = state.K
         if bounded:
             K = K.copy()
@@ -238,11 +238,15 @@ def descend(
         # The change of laws bounds the residual of a step below; round-off that of the last one.
         enough = min(LOOSE, max(QUADRATIC * state.left, 0.5 * ROUND_OFF / state.left))
         d, resisted, factors = pairs.step(K, -state.rest, enough, factors)
+        steps += 1
+        if k > 1 and not bounded and d @ state.rest >= 0:
+            bounded = True
+            continue
         moved = np.asarray((G @ d).reshape(state.z.shape))
-        trial, length, descends = _line_search(laws, state, d, resisted, moved)
-        bounded = k > 1 and not bounded and (not descends or length < SHORT_STEP)
+        trial, length = _line_search(laws, state, d, resisted, moved)
+        bounded = k > 1 and not bounded and length < SHORT_STEP
         short += k > 1 and length < SHORT_STEP
-        state, steps = trial if press is None else press(trial), steps + 1
+        previous, state = state.left, trial if press is None else press(trial)
     if not state.left <= SOLVED:
         message = (
             f"contact was not solved in {steps} Newton steps (residual {state.left:.1e} of the "
@@ -323,7 +327,7 @@ def _contact_along_normals(laws: Answers, pairs: Pairs, normal: NormalPairs, sta
         d = np.zeros_like(state.y)
         d[normal.felt] = moved
         along = (pairs.points.G @ d).reshape(state.z.shape)
-        state, _, _ = _line_search(laws, state, d, pairs.resisted(d), along)
+        state, _ = _line_search(laws, state, d, pairs.resisted(d), along)
     return state
 
 
@@ -334,8 +338,8 @@ def _z_at(G: SparseMatrix | Matrix, y: Vector, offset: Matrix) -> Matrix:
 
 def _line_search(
     laws: Answers, state: State, d: Vector, resisted: Vector, moved: Matrix
-) -> tuple[State, float, bool]:
-    """Return the state after a step d, its length, and whether the residual descends.
+) -> tuple[State, float]:
+    """Return the state after a step d, and its length.
 
     ``resisted`` is Σ d (n_relative,) [force], ``moved`` is G d (components, n_point) [length].
     """
@@ -350,12 +354,12 @@ def _line_search(
         return at_first + length * curvature + float((moved * (state.forces - trial.forces)).sum())
 
     length, trial = 1.0, reached(1.0)
-    last, descends = slope(trial, 1.0), at_first < 0
+    last = slope(trial, 1.0)
     fits = abs(last) <= LARGEST_REMAINDER * abs(at_first)
     if fits or np.linalg.norm(trial.rest) <= LARGEST_REMAINDER * np.linalg.norm(state.rest):
-        return trial, length, descends
-    if not (descends and last > 0):
-        return trial, length, descends
+        return trial, length
+    if not at_first < 0 < last:
+        return trial, length
     low, high, below, above = 0.0, 1.0, at_first, last
     for _ in range(MOST_TRIALS):
         # A chord that ends at a jump of the slope would stay there: keep away from both ends.
@@ -369,4 +373,4 @@ def _line_search(
             high, above = length, trial_slope
         else:
             low, below = length, trial_slope
-    return trial, length, descends
+    return trial, length

@@ -254,16 +254,14 @@ static void differentiate(const struct contact *c, size_t p, double normal, cons
     }
 }
 
-/* Forces x that points answer at z; with is_slope also K, where ``bounded`` says that tangential
- * forces are held to the bounds of the last normal ones. */
-static void respond(struct contact *c, const double *z, double *x, int is_slope, int bounded)
+/* Forces x that points answer at z, and K. */
+static void respond(struct contact *c, const double *z, double *x)
 {
     const size_t n = c->n;
-    if (is_slope)
-        memset(c->K, 0, 9 * n * sizeof(double));
+    memset(c->K, 0, 9 * n * sizeof(double));
     for (size_t i = 0; i < c->size; i++)
         x[i] = -z[i] / c->yields[i];
-    for (size_t p = 0; p < n && is_slope; p++) {
+    for (size_t p = 0; p < n; p++) {
         if (!(x[p] > 0.0))
             continue;
         c->K[9 * p] = 1.0 / c->yields[p];
@@ -271,10 +269,15 @@ static void respond(struct contact *c, const double *z, double *x, int is_slope,
             const double t[2] = {x[n + p], x[2 * n + p]};
             differentiate(c, p, x[p], t);
         }
-        if (bounded)
-            c->K[9 * p + 3] = c->K[9 * p + 6] = 0.0;
     }
     admit(c, x);
+}
+
+/* Hold tangential forces in K to the bounds of the last normal ones. */
+static void fix_bounds(struct contact *c)
+{
+    for (size_t p = 0; p < c->n; p++)
+        c->K[9 * p + 3] = c->K[9 * p + 6] = 0.0;
 }
 
 /* ---- Newton steps ---- */
@@ -388,25 +391,24 @@ static void find_rest(const struct contact *c, double *rest, double length, cons
     add_at_pairs(c->joint, rest, 1.0, about);
 }
 
-/* Forces c->tried at a part of the step; returns the slope of the energy there. */
+/* Forces c->tried and K at a part of the step; returns the slope of the energy there. */
 static double reach(struct contact *c, double length, const double *x)
 {
     const size_t r = c->joint->n_relative;
     double slope = dot(c->dy, c->rest, r) + length * dot(c->dy, c->dp, r);
     memcpy(c->tried_z, c->z, c->size * sizeof(double));
     add_row(c->tried_z, c->moved, length, c->size);
-    respond(c, c->tried_z, c->tried, 0, 0);
+    respond(c, c->tried_z, c->tried);
     for (size_t i = 0; i < c->size; i++)
         slope += c->moved[i] * (x[i] - c->tried[i]);
     return slope;
 }
 
-/* Length of the step from forces x: one, or about where the slope vanishes. */
-static double find_length(struct contact *c, const double *x, const double *about, int *descends)
+/* Length of the step from forces x: one, or about where the slope vanishes; c->tried is there. */
+static double find_length(struct contact *c, const double *x, const double *about)
 {
     const size_t r = c->joint->n_relative;
     const double at_first = dot(c->dy, c->rest, r), last = reach(c, 1.0, x);
-    *descends = at_first < 0.0;
     if (fabs(last) <= LARGEST_REMAINDER * fabs(at_first) || !(at_first < 0.0 && last > 0.0))
         return 1.0;
     find_rest(c, c->tried_rest, 1.0, c->tried, about);
@@ -441,7 +443,7 @@ static void begin(struct contact *c, const double *about)
     const int is_new = largest(about, c->size) == 0.0;
     for (size_t i = 0; i < c->size; i++)
         c->tried_z[i] = -c->yields[i] * about[i] * (i < n ? 1.0 : SLIP_ON_SCALE);
-    respond(c, c->tried_z, c->tried, 1, 0);
+    respond(c, c->tried_z, c->tried);
     for (size_t p = 0; p < n && is_new; p++) {
         c->K[9 * p] = 1.0 / c->yields[p];
         if (rubs(c, p))
@@ -472,24 +474,32 @@ static double descend(struct contact *c, const double *about, double *x)
     const size_t r = c->joint->n_relative;
     const double least = fmax(SMALLEST_FORCE_SHARE * largest(about, c->size), DBL_MIN);
     double left = INFINITY, previous = INFINITY;
+    const int is_rough = c->size > c->n;
     int n_short = 0, bounded = 0;
     begin(c, about);
+    respond(c, c->z, x);
     for (int step = 0;; step++) {
-        respond(c, c->z, x, 1, bounded);
         find_rest(c, c->rest, 0.0, x, about);
         left = are_finite(c->rest, r) ? largest(c->rest, r) / fmax(largest(x, c->size), least)
                                       : INFINITY;
         if (left <= NEWTON_ROUND_OFF || (left <= SOLVED && left > LARGEST_REMAINDER * previous)
             || step == NEWTON_STEPS || n_short == MOST_SHORT || find_step(c) != 0)
             return left;
+        if (is_rough && !bounded && dot(c->dy, c->rest, r) >= 0.0) {
+            bounded = 1;
+            fix_bounds(c);
+            continue;
+        }
         previous = left;
-        int descends;
-        const double length = find_length(c, x, about, &descends);
-        const int is_short = c->size > c->n && length < SHORT_STEP;
-        bounded = c->size > c->n && !bounded && (!descends || is_short);
+        const double length = find_length(c, x, about);
+        const int is_short = is_rough && length < SHORT_STEP;
+        bounded = is_short && !bounded;
         n_short += is_short;
         add_row(c->p, c->dp, length, r);
-        add_row(c->z, c->moved, length, c->size);
+        memcpy(c->z, c->tried_z, c->size * sizeof(double));
+        memcpy(x, c->tried, c->size * sizeof(double));
+        if (bounded)
+            fix_bounds(c);
     }
 }
 
