@@ -1,6 +1,6 @@
 """From a study to the arguments of :func:`faying.joint.build.build_model`, and to the model."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -33,7 +33,7 @@ from faying.study.inputs.bolts import (
 from faying.study.inputs.loads import check_loads
 from faying.study.inputs.sets import with_study_masses, with_study_sets, with_study_supports
 from faying.study.keys.consistency import boundary_problems, deck_load_problems
-from faying.study.keys.errors import Problem, nearest, reject
+from faying.study.keys.errors import Mistake, Mistakes, located, nearest, reject
 from faying.study.keys.lap_joint import lap_joint_keywords
 from faying.study.keys.loadings import loadings, temperature_name_problems, temperatures_of
 from faying.study.keys.section import stated
@@ -110,8 +110,9 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
     entries = [stated(interface, InterfaceSpec) for interface in study.interfaces]
     interfaces = _merged(study, "interface", described.interfaces, entries)
     names = [spec.name for spec in boundaries]
-    problems = [*boundary_problems(study, names), *deck_load_problems(study, assembly)]
-    reject(study.source, [*problems, *temperature_name_problems(study, assembly)])
+    mistakes = [*boundary_problems(study, names), *deck_load_problems(study, assembly)]
+    shared = temperature_name_problems(study, assembly)
+    reject(study.source, [*located((), mistakes), *shared])
     forces = preloads(study, described, bolts)
     locked = initial_forces(study, described)
     check_no_second_preload(study, assembly, bolts, {**forces, **locked})
@@ -270,19 +271,18 @@ def _merged(
     """Return the specs of a source, overridden by entries of the same name, and new entries."""
     specs = {spec.name: spec for spec in defaults}
     new = {"interface": InterfaceSpec, "bolt": BoltSpec, "boundary": BoundarySpec}[table]
-    problems: list[Problem] = []
+    mistakes: list[Mistake] = []
     for number, entry in enumerate(entries):
         name = entry["name"]
         if name in specs:
-            problems += _refused_overrides(study, table, number, entry)
+            mistakes += _refused_overrides(study, table, number, entry)
             specs[name] = replace(specs[name], **_without_replaced(table, entry))
         elif (defaults or table == "bolt") and not PLACES[table].intersection(entry):
             text = f"the model has no {table} '{name}'; {nearest(name, specs)}"
-            location = (table, number, "name")
-            problems.append(study.problem(location, text))
+            mistakes.append(((table, number, "name"), text))
         else:
             specs[name] = new(**entry)
-    reject(study.source, problems)
+    reject(study.source, located((), mistakes))
     return tuple(specs.values())
 
 
@@ -303,15 +303,9 @@ def _without_replaced(table: str, entry: dict[str, Any]) -> dict[str, Any]:
     return entry
 
 
-def _refused_overrides(
-    study: Study, table: str, number: int, entry: dict[str, Any]
-) -> Iterator[Problem]:
-    """Yield problems of bolt keys that cannot override a bolt of the source."""
+def _refused_overrides(study: Study, table: str, number: int, entry: dict[str, Any]) -> Mistakes:
+    """Yield keys that cannot override a bolt of the source."""
     for key in entry if table == "bolt" else ():
         if key != "name":
-            location = (table, number, key)
-            text = (
-                "the source defines this bolt, so only its preload can be given here; "
-                + SOURCES[study.model.source].remedy
-            )
-            yield study.problem(location, text)
+            text = "the source defines this bolt, so only its preload can be given here; "
+            yield (table, number, key), text + SOURCES[study.model.source].remedy

@@ -3,7 +3,7 @@
 import re
 import tomllib
 from bisect import bisect_left
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -60,6 +60,20 @@ class Problem:
     behind: str
     before: str = ""
     of_table: bool = False
+
+
+Mistake = tuple[str | Location, str]
+"""A key of a table, or a location within it, and what is wrong there; '' is the table itself."""
+
+Mistakes = Iterator[Mistake]
+
+
+def located(table: Location, mistakes: Iterable[Mistake]) -> Iterator[Problem]:
+    """Yield the mistakes in a table as problems; a location that ends in a number is a table."""
+    for key, text in mistakes:
+        steps = key if isinstance(key, tuple) else (key,) * bool(key)
+        of_table = not steps or isinstance(steps[-1], int)
+        yield Problem((*table, *steps), f": {text}", of_table=of_table)
 
 
 @dataclass(frozen=True)
@@ -181,11 +195,11 @@ def quoted(names: Iterable[object]) -> str:
     return ", ".join(f"'{name}'" for name in names)
 
 
-def reject(source: StudySource, problems: Sequence[Problem]) -> None:
+def reject(source: StudySource, problems: Iterable[Problem]) -> None:
     """Raise one :class:`StudyError` for all problems; return if there are none."""
-    if not problems:
-        return
     lines = list(map(source.told, problems))
+    if not lines:
+        return
     several = f"{source.path.name}: {len(lines)} mistakes\n{bulleted(lines)}"
     raise StudyError(several if len(lines) > 1 else lines[0])
 

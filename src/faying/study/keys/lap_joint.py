@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, create_model
 from pydantic_core import PydanticCustomError
 
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
-from faying.study.keys.errors import Problem, nearest, translated
+from faying.study.keys.errors import Problem, located, nearest, translated
 from faying.study.keys.section import all_in_range
 from faying.study.keys.tables import Study
 
@@ -36,19 +36,19 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
         return
     for name in study.materials:
         if name != STEEL.name:
-            remedy = f"the material of the lap joint is '{STEEL.name}'; rename the table"
-            yield study.in_table(("material", name), remedy)
+            text = f"the material of the lap joint is '{STEEL.name}'; rename the table"
+            yield from located(("material", name), [("", text)])
     schema = _schema()
     for name in study.model.lap_joint:
         location = ("model", "lap_joint", name)
         if name in ELSEWHERE:
-            yield study.problem(location, f"it belongs in {ELSEWHERE[name]}; move it")
+            yield Problem(location, f": it belongs in {ELSEWHERE[name]}; move it")
         elif name not in schema.model_fields:
             yield Problem(location, f"; {nearest(name, schema.model_fields)}", "unknown key ")
         try:
             all_in_range(study.model.lap_joint[name])
         except PydanticCustomError as error:
-            yield study.problem(location, error)
+            yield Problem(location, f": {error}")
             return
     try:
         schema.model_validate_json(_json(study), strict=True)

@@ -5,8 +5,9 @@ from collections.abc import Iterator, Sequence
 from faying.model.assembly import Assembly
 from faying.model.temperature import Temperature
 from faying.sources import SOURCES
-from faying.study.keys.errors import Location, Problem, nearest
+from faying.study.keys.errors import Location, Mistakes, Problem, located, nearest
 from faying.study.keys.loading_table import Loading
+from faying.study.keys.model_tables import TemperatureSection
 from faying.study.keys.tables import Study
 
 
@@ -22,52 +23,48 @@ def loadings(study: Study) -> Iterator[tuple[Location, Loading]]:
         yield ("reduction", "training", "box", i), side
 
 
-def repeated_loads(study: Study, location: Location, loads: Sequence[Loading]) -> Iterator[Problem]:
+def repeated_loads(key: str, loads: Sequence[Loading]) -> Mistakes:
     """Yield loads that occur twice."""
     targets = [load.target for load in loads]
     for i, target in enumerate(targets):
         if target in targets[:i]:
-            text = f"{target} is loaded by number {targets.index(target) + 1} already; merge them"
-            where: Location = (*location, i)
-            yield study.in_table(where, text)
+            first = targets.index(target) + 1
+            yield (key, i), f"{target} is loaded by number {first} already; merge them"
 
 
-def temperature_problems(study: Study) -> Iterator[Problem]:
-    """Yield temperatures that are empty, unused or undefined, or that matrices cannot have."""
-    loads = [(key, load) for key, load in loadings(study) if load.temperature is not None]
-    for location, load in loads:
-        if load.temperature not in study.temperatures:
-            remedy = nearest(str(load.temperature), study.temperatures)
-            key: Location = (*location, "temperature")
-            text = f"no [temperature.{load.temperature}]; {remedy}"
-            yield study.problem(key, text)
+def temperature_problems(_: Study, study: Study) -> Mistakes:
+    """Yield uses of undefined temperatures."""
+    uses: list[tuple[Location, str]] = [
+        ((*location, "temperature"), load.temperature)
+        for location, load in loadings(study)
+        if load.temperature is not None
+    ]
     scattered = () if study.preload_scatter is None else study.preload_scatter.temperatures
-    for name in scattered:
+    uses += [(("preload_scatter", "temperatures"), name) for name in scattered]
+    for location, name in uses:
         if name not in study.temperatures:
-            key = ("preload_scatter", "temperatures")
-            text = f"no [temperature.{name}]; {nearest(name, study.temperatures)}"
-            yield study.problem(key, text)
-    used = {load.temperature for _, load in loads} | {*scattered}
-    for name, section in study.temperatures.items():
-        table: Location = ("temperature", name)
-        text = ""
-        if not SOURCES[study.model.source].has_elements:
-            text = "matrices contain no thermal expansion; remove [temperature], or use a mesh"
-        elif section.uniform is None and not section.parts:
-            text = "nothing has a temperature; give 'uniform' or 'parts'"
-        elif name not in used:
-            text = f'no load uses it; add {{ temperature = "{name}", value = 1 }} to forces'
-        if text:
-            yield study.in_table(table, text)
+            yield location, f"no [temperature.{name}]; {nearest(name, study.temperatures)}"
+
+
+def temperature_table_problems(study: Study, section: TemperatureSection) -> Mistakes:
+    """Yield that a temperature is empty or unused, or that matrices cannot have it."""
+    scattered = () if study.preload_scatter is None else study.preload_scatter.temperatures
+    used = {load.temperature for _, load in loadings(study)} | {*scattered}
+    (name,) = (name for name, table in study.temperatures.items() if table is section)
+    if not SOURCES[study.model.source].has_elements:
+        yield "", "matrices contain no thermal expansion; remove [temperature], or use a mesh"
+    elif section.uniform is None and not section.parts:
+        yield "", "nothing has a temperature; give 'uniform' or 'parts'"
+    elif name not in used:
+        yield "", f'no load uses it; add {{ temperature = "{name}", value = 1 }} to forces'
 
 
 def temperature_name_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
     """Yield temperatures with the name of a load of the deck."""
     for name in study.temperatures:
         if name in assembly.loads:
-            table: Location = ("temperature", name)
             text = f"the deck has a load '{name}' too; give the temperature another name"
-            yield study.in_table(table, text)
+            yield from located(("temperature", name), [("", text)])
 
 
 def temperatures_of(study: Study, assembly: Assembly) -> dict[str, Temperature]:

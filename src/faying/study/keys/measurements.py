@@ -13,7 +13,7 @@ from faying.assessment.response_curve import ResponseCurve
 from faying.assessment.single_mode import single_mode
 from faying.exceptions import FormatError, ModelError, naming, refuse
 from faying.files.number_table import read_number_table
-from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.errors import Mistakes, nearest
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.tables import MeasurementSection, Study
 
@@ -140,7 +140,7 @@ def _columns(section: MeasurementSection) -> dict[str, Vector]:
     return dict(zip(table.names, table.values.T, strict=True))
 
 
-def measurement_problems(study: Study) -> Iterator[Problem]:
+def measurement_problems(_: Study, study: Study) -> Mistakes:
     """Yield measured curves without a computed one, and files that cannot be read."""
     names = [section.name for section in study.measurements]
     for number, section in enumerate(study.measurements):
@@ -149,12 +149,12 @@ def measurement_problems(study: Study) -> Iterator[Problem]:
             wrong["name"] = f"two measurements are called '{section.name}'; names must differ"
         missing = next(_incomplete(section), None)
         if missing is not None:
-            yield study.in_table(("measurement", number), missing)
+            yield ("measurement", number), missing
         elif section.frequency is None:
             wrong |= _beside_a_backbone(study, section)
         else:
             wrong |= _beside_a_sweep(study, section)
-        yield from study.problems(("measurement", number), wrong)
+        yield from ((("measurement", number, key), text) for key, text in wrong.items())
 
 
 def _incomplete(section: MeasurementSection) -> Iterator[str]:

@@ -7,7 +7,7 @@ from faying.assessment.sealing import ring_around
 from faying.assessment.verdicts import NO_FRICTION, NO_SLIP, ring_surface
 from faying.joint.model import Model
 from faying.reduction.projection import contact_surfaces
-from faying.study.keys.errors import reject
+from faying.study.keys.errors import located, reject
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.tables import Study
 
@@ -30,13 +30,8 @@ def check_requirements(study: Study, model: Model) -> None:
         If a ring does not surround a hole.
     """
     requirements = requirements_of(study.requirement)
-    problems = []
-    for key, text in misnamed(
-        requirements, list(model.interfaces), model.contact.smooth_interfaces
-    ):
-        location = ("requirement", key)
-        problems.append(study.problem(location, text))
-    reject(study.source, problems)
+    wrong = misnamed(requirements, list(model.interfaces), model.contact.smooth_interfaces)
+    reject(study.source, located(("requirement",), wrong))
     surfaces = contact_surfaces(model) if requirements.closed_ring else {}
     for ring in requirements.closed_ring:
         ring_around(surfaces[ring_surface(ring, surfaces)], ring.around)

@@ -3,7 +3,7 @@
 Types and ranges of single values are here, rules between values in ``consistency``.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -15,7 +15,7 @@ from faying.assessment.transient_error import LARGE_ERROR
 from faying.iterations import MOST_SOLVED
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
-from faying.study.keys.errors import Location, Problem, StudySource, refusal, shown
+from faying.study.keys.errors import StudySource, refusal, shown
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.loading_table import Loading
 from faying.study.keys.model_tables import (
@@ -329,16 +329,3 @@ class Study(Section):
     def source(self) -> StudySource:
         """The source of the study, which finds the line of a mistake."""
         return self._source
-
-    def problem(self, location: Location, text: object) -> Problem:
-        """Return a problem with the value of a key."""
-        return Problem(location, f": {text}")
-
-    def in_table(self, location: Location, text: object) -> Problem:
-        """Return a problem with a table."""
-        return Problem(location, f": {text}", of_table=True)
-
-    def problems(self, table: Location, wrong: Mapping[str, str]) -> Iterator[Problem]:
-        """Yield problems with keys of a table."""
-        for key, text in wrong.items():
-            yield self.problem((*table, key), text)
