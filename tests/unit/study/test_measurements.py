@@ -125,6 +125,8 @@ def test_responses_give_a_point_each(study, tmp_path):
     with_responses(study, tmp_path, "csv")
     with pytest.raises(StudyError, match="exactly one of 'file', 'response'"):
         study('file = "hammer.csv"', "")
+    with pytest.raises(StudyError, match="no response is given; add a table"):
+        study('file = "hammer.csv"', "response = []")
     (tmp_path / "small.csv").write_text("frequency,real,imag\n1,1,0\n2,1,0\n")
     with pytest.raises(StudyError, match="needs 5 points"):
         study(TABLE, RESPONSES.replace("FILE", "csv"))

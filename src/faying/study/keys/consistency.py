@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -57,13 +57,13 @@ Rule = Callable[[Study, Any], Mistakes]
 
 def inconsistencies(study: Study) -> list[Problem]:
     """Return all inconsistencies of a study."""
-    return [
-        problem
+    mistakes = (
+        located(location, rule(study, table))
         for location, table in _tables(study, ())
         for kind in reversed(type(table).__mro__)
         for rule in RULES.get(kind, ())
-        for problem in located(location, rule(study, table))
-    ] + list(lap_joint_problems(study))
+    )
+    return [*lap_joint_problems(study), *chain.from_iterable(mistakes)]
 
 
 def _tables(table: Section, location: Location) -> Iterator[tuple[Location, Section]]:

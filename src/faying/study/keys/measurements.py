@@ -163,6 +163,8 @@ def _incomplete(section: MeasurementSection) -> Iterator[str]:
         yield "no computed curve is named; give 'load_case' and 'mode', or 'frequency'"
     elif section.frequency is not None and (section.load_case, section.mode) != (None, None):
         yield "a backbone and a [[frequency]] are named; remove one of them"
+    if section.file is None and not section.response:
+        yield "no response is given; add a table [[measurement.response]] for each"
     key = "amplitude" if section.frequency is None else "level"
     if any(getattr(response, key) is None for response in section.response):
         yield f"each [[measurement.response]] needs '{key}'; add it"
