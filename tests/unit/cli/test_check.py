@@ -67,11 +67,15 @@ def test_decks_in_which_nothing_can_touch(call, tmp_path, command, name, text, h
 
 
 def test_a_deck_of_one_body_says_that_an_interface_is_missing(call, tmp_path):
+    """So does the study that is begun from it, whose loads are those of the deck."""
     upper = re.compile(r"GRID,1\d,.*\n|CHEXA,2,.*\n,17,18\n")
-    (tmp_path / "block.bdf").write_text(f"BEGIN BULK\n{upper.sub('', blocks())}ENDDATA\n")
-    status, out, _ = call("check", tmp_path / "block.bdf")
-    assert not status
-    assert "an interface: none is declared" in " ".join(out.split())
+    cards = f"{upper.sub('', blocks())}FORCE,7,5,,9.,1.,0.,0.\n"
+    (tmp_path / "block.bdf").write_text(f"SOL 101\nCEND\nLOAD = 7\nBEGIN BULK\n{cards}ENDDATA\n")
+    call("init", tmp_path / "block.bdf", "--out", tmp_path / "block.toml")
+    for name in ("block.bdf", "block.toml"):
+        status, out, _ = call("check", tmp_path / name)
+        assert not status
+        assert "an interface: none is declared" in " ".join(out.split())
 
 
 def cells(lines, first):

@@ -155,12 +155,17 @@ def build_loaded(loaded: LoadedModel) -> Model:
     parted = {
         name: _with_gap(model, name, gap) for name, gap in {**source.initial_gaps, **gaps}.items()
     }
-    applied = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
-    model = model.with_interfaces(parted).with_deck_loads(*dict.fromkeys(applied))
     scans = {i.name: i.topography for i in study.interfaces if i.topography}
     crowns = {i.name: i.crown for i in study.interfaces if i.crown}
-    model = with_crowns(with_topographies(model, scans), crowns)
-    for name, temperature in temperatures_of(study, loaded.assembly).items():
+    model = with_crowns(with_topographies(model.with_interfaces(parted), scans), crowns)
+    return with_loads(model, study)
+
+
+def with_loads(model: Model, study: Study) -> Model:
+    """Return the model with the deck's loads that a study applies, and with its temperatures."""
+    applied = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
+    model = model.with_deck_loads(*dict.fromkeys(applied))
+    for name, temperature in temperatures_of(study, model.assembly).items():
         with naming(f"temperature '{name}'"):
             model = with_temperature(model, name, temperature)
     return model

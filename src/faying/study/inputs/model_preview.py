@@ -11,7 +11,7 @@ from faying.joint.diagnosis import FreeParts, free_parts
 from faying.joint.model import Model
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
-from faying.study.inputs.load_model import LoadedModel, build_loaded
+from faying.study.inputs.load_model import LoadedModel, build_loaded, with_loads
 from faying.study.inputs.loads import missing_mass
 from faying.study.keys.tables import Study
 
@@ -82,13 +82,14 @@ def _without_joint(loaded: LoadedModel) -> Model:
 
 
 def _structure(loaded: LoadedModel) -> Model:
-    return structure_model(
+    model = structure_model(
         loaded.assembly,
         bolts=loaded.bolts,
         boundaries=loaded.boundaries,
         damping=loaded.damping,
         units=loaded.study.units,
     )
+    return with_loads(model, loaded.study)
 
 
 def _needs(
