@@ -118,7 +118,8 @@ def solve_cycles(
     start = path_start(system, solve_path(system, [Load()]) if initial is None else initial)
     solver = system.static_contact.increments.about(start.increment)
     risen, cycle = (
-        path_inputs(system, scaled_loads(load, factor)) for factor in (amplitude * rise, factors)
+        path_inputs(system, [load.scaled(factor) for factor in way])
+        for way in ((amplitude * rise).tolist(), factors.tolist())
     )
     *_, start = follow(solver, moved_alone(system, risen), start)
     repeated = repeat(solver, moved_alone(system, cycle), start, count)
@@ -186,17 +187,6 @@ def _closes_further(before: PathStep, later: PathStep) -> bool:
     if earlier is None or now is None:
         return now is not None
     return bool((now - earlier).max() > STATIONARY * np.abs(now).max())
-
-
-def scaled_loads(load: Load, factors: Vector) -> list[Load]:
-    """Return the products of a load of constant forces with some factors.
-
-    Raises
-    ------
-    ModelError
-        If a force is a history.
-    """
-    return [load.scaled(float(factor)) for factor in factors]
 
 
 def load_work(path: Solution, load: Load) -> Vector:

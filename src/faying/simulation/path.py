@@ -171,13 +171,8 @@ def states_of(contact: Contact, steps: Sequence[PathStep]) -> ContactStates:
         slip=np.array([step.slip[:n_tangent] for step in steps]).reshape(len(steps), n_tangent, n),
         iterations=np.array([step.iterations for step in steps]),
         dissipation=np.array([step.dissipation for step in steps]),
-        deepest=deepest_of(contact, steps),
+        deepest=np.array([s.increment.deepest for s in steps]) if contact.remembers else None,
     )
-
-
-def deepest_of(contact: Contact, steps: Sequence[PathStep]) -> Matrix | None:
-    """Return the largest closures (n_step, n_point) after steps; None without such history."""
-    return np.array([step.increment.deepest for step in steps]) if contact.remembers else None
 
 
 def last_of(solution: Solution) -> Solution:
