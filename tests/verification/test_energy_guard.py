@@ -176,7 +176,7 @@ def test_numbers_that_overflow_are_explained():
         spread @ spread.T + 0.1 * np.eye(6),
         rng.normal(size=(4, 6)),
         gap=0.02,
-        stiffness=50.0,
+        stiffness=5e3,
     )
     with pytest.raises(ConvergenceError, match="pull: the time integration gained many times"):
         fy.solve_transient(system, PULL, step=1.0, duration=1e5, integrator=WILD)

@@ -90,7 +90,7 @@ def test_other_meshes_are_projected_across_any_gap(kinds, gap):
     np.testing.assert_allclose(found.initial_gap, gap, atol=1e-12)
 
 
-@pytest.mark.parametrize("kind", ["hex8", "hex20", "tet10"])
+@pytest.mark.parametrize("kind", ["hex8", "hex20", pytest.param("tet10", marks=pytest.mark.long)])
 @pytest.mark.parametrize("counts", [((10, 8), (10, 8)), ((8, 8), (12, 10))], ids=["same", "other"])
 @pytest.mark.parametrize("clearance", [0.0, 0.1, 0.5, -0.05])
 def test_pins_in_holes(kind, counts, clearance):

@@ -3,14 +3,12 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
-from faying.io.nastran import read_deck
 from faying.model.assembly import Assembly, Beam, BeamSection, Material
 from faying.model.matrices import assemble_matrices, mass_properties
 
@@ -28,13 +26,8 @@ Read = Callable[..., Assembly]
 
 
 @pytest.fixture
-def read(tmp_path: Path) -> Read:
-    def run(*cards: str) -> Assembly:
-        path = tmp_path / "a.bdf"
-        path.write_text(STEEL + "\n".join(cards) + "\n")
-        return read_deck(path)
-
-    return run
+def read(nastran) -> Read:
+    return lambda *cards: nastran(STEEL, *cards).assembly
 
 
 def bend(read: Read, card: str, size: str, neutral: str = "0.", shear: str = ".5,.7") -> Assembly:

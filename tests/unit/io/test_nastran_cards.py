@@ -1,14 +1,12 @@
 """What each group of cards means."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 
 from faying.exceptions import FormatError
-from faying.io.nastran import read_deck
 from faying.io.nastran.case_control import LUMPED
 from faying.model.assembly import Assembly, PointMass
 from faying.model.matrices import assemble_matrices
@@ -33,13 +31,8 @@ Read = Callable[..., Assembly]
 
 
 @pytest.fixture
-def read(tmp_path: Path) -> Read:
-    def run(*cards: str, head: str = "") -> Assembly:
-        path = tmp_path / "a.bdf"
-        path.write_text(head + NODES + STEEL + "\n".join(cards) + "\n")
-        return read_deck(path)
-
-    return run
+def read(nastran) -> Read:
+    return lambda *cards, head="": nastran(head + NODES + STEEL, *cards).assembly
 
 
 def test_cylindrical_and_spherical_grids(read: Read) -> None:

@@ -36,12 +36,10 @@ Read = Callable[..., JointDescription]
 
 
 @pytest.fixture
-def read(tmp_path: Path) -> Read:
+def read(nastran) -> Read:
     def run(*cards: str, control: str | None = None, subcase: int | None = None):
         head = "" if control is None else f"SOL 101\nCEND\n{control}\nBEGIN BULK\n"
-        path = tmp_path / "a.bdf"
-        path.write_text(head + MODEL + "\n".join(cards) + "\n")
-        return read_joint(path, subcase=subcase)
+        return nastran(head + MODEL, *cards, subcase=subcase)
 
     return run
 

@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 
-from faying.io.nastran import read_joint
 from refusals import refuses
 from small_nastran_deck import blocks
 
@@ -13,12 +12,10 @@ BULK = blocks()
 
 
 @pytest.fixture
-def read(tmp_path):
+def read(nastran):
     def call(*cards, head="", bulk=BULK):
-        path = tmp_path / "a.bdf"
         begin = "BEGIN BULK\n" if head else ""
-        path.write_text(head + begin + bulk + "\n".join(cards) + "\nENDDATA\n")
-        return read_joint(path)
+        return nastran(head + begin + bulk, *cards, "ENDDATA")
 
     return call
 

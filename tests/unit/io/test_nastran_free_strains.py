@@ -29,12 +29,8 @@ Deck = Callable[[str], Assembly]
 
 
 @pytest.fixture
-def deck(tmp_path: Path) -> Deck:
-    def read(text: str) -> Assembly:
-        (tmp_path / "a.bdf").write_text(text)
-        return read_joint(tmp_path / "a.bdf").assembly
-
-    return read
+def deck(nastran) -> Deck:
+    return lambda text: nastran(text).assembly
 
 
 FORCE = 100 * LENGTH / YOUNGS

@@ -1,14 +1,12 @@
 """Loads whose direction grids or shells give, by hand."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
-from faying.io.nastran import read_joint
 
 # A plate of 2 x 4 in x-y, a triangle beside it, and a parallelogram that stands askew.
 PLACES = [(0, 0, 0), (2, 0, 0), (2, 4, 0), (0, 4, 0), (5, 0, 0), (0, 0, 3), (2, 0, 1), (2, 4, 1)]
@@ -20,10 +18,9 @@ Read = Callable[[str], Matrix]
 
 
 @pytest.fixture
-def forces(tmp_path: Path) -> Read:
+def forces(nastran) -> Read:
     def read(card: str) -> Matrix:
-        (tmp_path / "a.bdf").write_text(MODEL + card + "\n")
-        assembly = read_joint(tmp_path / "a.bdf").assembly
+        assembly = nastran(MODEL, card).assembly
         table = np.zeros((len(assembly.mesh.nodes), 6))
         load = assembly.loads["7"]
         table[load.nodes] = load.forces

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from faying.exceptions import FormatError, ModelError
-from faying.io.nastran import read_joint
 from linear_solution import displacements_of
 
 E, I1, L = 2e5, 2e4, 1000.0
@@ -19,13 +18,8 @@ SPRINGS = 2e-6
 
 
 @pytest.fixture
-def read(tmp_path):
-    def reading(text, control=CONTROL, model=BEAM):
-        path = tmp_path / "beam.bdf"
-        path.write_text(f"{control}{model}{text}ENDDATA\n")
-        return read_joint(path)
-
-    return reading
+def read(nastran):
+    return lambda text, control=CONTROL, model=BEAM: nastran(control + model, text, "ENDDATA")
 
 
 def moved(joint, load=None):

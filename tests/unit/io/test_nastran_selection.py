@@ -18,12 +18,8 @@ Deck = Callable[[str], Assembly]
 
 
 @pytest.fixture
-def deck(tmp_path: Path) -> Deck:
-    def read(control: str) -> Assembly:
-        (tmp_path / "a.bdf").write_text(control + BULK)
-        return read_joint(tmp_path / "a.bdf").assembly
-
-    return read
+def deck(nastran) -> Deck:
+    return lambda control: nastran(control + BULK).assembly
 
 
 @pytest.mark.parametrize(

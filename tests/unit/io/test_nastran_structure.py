@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from faying.exceptions import FormatError, StudyError
-from faying.io.nastran import read_deck, write_deck
+from faying.io.nastran import write_deck
 from faying.model.assembly import Assembly
 from faying.model.constraints import constrain
 from faying.model.matrices import (
@@ -30,13 +30,8 @@ Read = Callable[..., Assembly]
 
 
 @pytest.fixture
-def read(tmp_path: Path) -> Read:
-    def run(*cards: str) -> Assembly:
-        path = tmp_path / "a.bdf"
-        path.write_text(NODES + STEEL + FRAME + "\n".join(cards) + "\n")
-        return read_deck(path)
-
-    return run
+def read(nastran) -> Read:
+    return lambda *cards: nastran(NODES + STEEL + FRAME, *cards).assembly
 
 
 def test_rods(read: Read) -> None:
