@@ -82,6 +82,8 @@ def read_results(path: Path) -> Results:
 
 def _reduced(file: h5py.File, results: Results) -> dict[str, dict[int, ReducedModel]]:
     """Return the reduced models of a run; empty where the port compliance was not stored."""
+    if "ports" not in file:  # shapes of a large model are not read in vain
+        return {}
     run: StoredModels = read_value(file, StoredModels, TABLES)
     mesh = MeshShapes(nodes=results.nodes, node_ids=results.node_ids, blocks=results.blocks)
     forces = {name: bolt.initial_force for name, bolt in results.bolts.items()}
