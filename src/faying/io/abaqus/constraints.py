@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.io.abaqus.deck_data import DeckData, component
-from faying.io.abaqus.fields import integer, is_integer, real
+from faying.io.abaqus.fields import Line, is_integer, lines
 from faying.io.abaqus.keyword import Keyword
 from faying.model.assembly import Equation, RigidCoupling
 
@@ -17,42 +17,35 @@ Term = tuple[int, int, float]
 def read_equations(data: DeckData) -> Iterator[Equation]:
     """Yield the equations of all *EQUATION; the first term is eliminated."""
     for keyword in data.deck.of("EQUATION"):
-        rows = keyword.rows()
-        row = 0
-        while row < len(rows):
-            count = integer(keyword, row, rows[row][0], "the number of terms")
-            start, row = row, row + 1
-            if count < 1 or len(rows[start]) != 1:
-                keyword.refuse("expected the number of terms alone on this line", start)
-            fields: list[tuple[int, list[str]]] = []
-            while row < len(rows) and len(fields) < count:
-                if len(rows[row]) % 3:
-                    keyword.refuse(
-                        "expected node, degree of freedom, coefficient for each term", row
-                    )
-                fields += [(row, rows[row][i : i + 3]) for i in range(0, len(rows[row]), 3)]
-                row += 1
+        following = iter(lines(keyword))
+        for head in following:
+            count = head.integer(0, "the number of terms")
+            if count < 1 or len(head) != 1:
+                head.refuse("expected the number of terms alone on this line")
+            fields: list[Line] = []
+            while len(fields) < count and (line := next(following, None)) is not None:
+                if len(line) % 3:
+                    line.refuse("expected node, degree of freedom, coefficient for each term")
+                fields += line.groups(3)
             if len(fields) != count:
-                keyword.refuse(f"found {len(fields)} terms, expected {count}", start)
-            for terms in _per_node(keyword, fields, data):
+                head.refuse(f"found {len(fields)} terms, expected {count}")
+            for terms in _per_node(fields, data):
                 yield Equation(id=0, terms=terms)
 
 
-def _per_node(
-    keyword: Keyword, fields: list[tuple[int, list[str]]], data: DeckData
-) -> Iterator[tuple[Term, ...]]:
+def _per_node(fields: list[Line], data: DeckData) -> Iterator[tuple[Term, ...]]:
     """Yield one equation, or one per member where the terms are node sets."""
-    nodes = [data.find(keyword, row, label).tolist() for row, (label, _, _) in fields]
+    nodes = [data.find(line).tolist() for line in fields]
     count = len(nodes[0])
-    for (row, _), members in zip(fields, nodes, strict=True):
+    for line, members in zip(fields, nodes, strict=True):
         if len(members) not in (1, count) or (count > 1 and members != sorted(members)):
-            keyword.refuse(f"a set of {len(members)} nodes where the first term has {count}", row)
+            line.refuse(f"a set of {len(members)} nodes where the first term has {count}")
     for i in range(count):
         terms: list[Term] = []
-        for (row, (_, dof, text)), members in zip(fields, nodes, strict=True):
+        for line, members in zip(fields, nodes, strict=True):
             node = members[i] if len(members) > 1 else members[0]
-            value = real(keyword, row, text, "a coefficient")
-            parts = data.parts(node, component(keyword, row, dof))
+            value = line.real(2, "a coefficient")
+            parts = data.parts(node, component(line, 1))
             # The largest comes first, because the first term of an equation is eliminated.
             terms += [(owner, c, value * factor) for owner, c, factor in parts]
         yield tuple(terms)
@@ -81,11 +74,12 @@ def read_mpcs(data: DeckData) -> tuple[list[Equation], list[RigidCoupling]]:
     equations: list[Equation] = []
     rigid: list[RigidCoupling] = []
     for keyword in data.deck.of("MPC"):
-        for row, kind, fields in _definitions(keyword):
+        for line in _definitions(keyword):
+            kind = line.text(0).upper()
             if kind == "BEAM":
-                rigid.append(_beam(keyword, row, fields, data))
+                rigid.append(_beam(line, data))
             else:
-                all_terms = _terms(keyword, row, kind, fields, data)
+                all_terms = _terms(line, kind, data)
                 equations += [Equation(id=0, terms=terms) for terms in all_terms]
             if kind in ("BEAM", "PLANE", "STRAIGHT", "MEANROT"):
                 note = f"*MPC of type {kind}: linear about the geometry of the deck"
@@ -94,73 +88,62 @@ def read_mpcs(data: DeckData) -> tuple[list[Equation], list[RigidCoupling]]:
     return equations, rigid
 
 
-def _definitions(keyword: Keyword) -> Iterator[tuple[int, str, list[str]]]:
-    """Yield data line, type and nodes; a line that starts with 0 continues the one before."""
-    definitions: list[tuple[int, str, list[str]]] = []
-    for row, fields in enumerate(keyword.rows()):
-        kind = fields[0].upper()
+def _definitions(keyword: Keyword) -> list[Line]:
+    """Return lines of a type and its nodes; a line that starts with 0 continues the one before."""
+    definitions: list[Line] = []
+    for line in lines(keyword):
+        kind = line.text(0).upper()
         if kind == "0" and definitions:
-            definitions[-1][2].extend(fields[1:])
+            definitions[-1].texts.extend(line.texts[1:])
             continue
         if kind not in _KNOWN:
             remedy = _REMEDIES.get(kind, "write *EQUATION")
-            keyword.refuse(f"type {kind} is not supported ({', '.join(_KNOWN)} are); {remedy}", row)
-        definitions.append((row, kind, fields[1:]))
-    return iter(definitions)
+            line.refuse(f"type {kind} is not supported ({', '.join(_KNOWN)} are); {remedy}")
+        definitions.append(line)
+    return definitions
 
 
-def _beam(keyword: Keyword, row: int, fields: list[str], data: DeckData) -> RigidCoupling:
-    _check_two(keyword, row, "BEAM", fields)
-    return RigidCoupling(
-        id=0,
-        reference=data.one(keyword, row, fields[1], "the independent node"),
-        nodes=data.find(keyword, row, fields[0]),
-        components=tuple(range(6)),
-    )
+def _beam(line: Line, data: DeckData) -> RigidCoupling:
+    dependent, leader = _two(line, "BEAM", data)
+    return RigidCoupling(id=0, reference=leader, nodes=dependent, components=tuple(range(6)))
 
 
-def _terms(
-    keyword: Keyword, row: int, kind: str, fields: list[str], data: DeckData
-) -> Iterator[Terms]:
+def _terms(line: Line, kind: str, data: DeckData) -> Iterator[Terms]:
     if kind in ("PIN", "TIE"):
-        _check_two(keyword, row, kind, fields)
-        dependent = data.find(keyword, row, fields[0]).tolist()
-        leader = data.one(keyword, row, fields[1], "the independent node")
-        for node in dependent:
+        dependent, leader = _two(line, kind, data)
+        for node in dependent.tolist():
             for c in range(3 if kind == "PIN" else 6):
                 yield ((node, c, 1.0), (leader, c, -1.0))
         return
     nodes = [
         node
-        for label in fields
-        if label and not (is_integer(label) and int(label) == 0)
-        for node in data.find(keyword, row, label).tolist()
+        for column, label in enumerate(line.texts)
+        if column and label and not (is_integer(label) and int(label) == 0)
+        for node in data.find(line, column).tolist()
     ]
     if kind == "MEANROT":
-        yield _mean_rotation(keyword, row, nodes, data.nodes.coordinates)
+        yield _mean_rotation(line, nodes, data.nodes.coordinates)
     else:
-        yield from _staying(keyword, row, kind, nodes, data.nodes.coordinates)
+        yield from _staying(line, kind, nodes, data.nodes.coordinates)
 
 
-def _check_two(keyword: Keyword, row: int, kind: str, fields: list[str]) -> None:
-    if len(fields) != 2:
-        keyword.refuse(
-            f"found {len(fields) + 1} fields, expected {kind}, dependent node or set, node", row
-        )
+def _two(line: Line, kind: str, data: DeckData) -> tuple[Indices, int]:
+    """Return the dependent nodes and the independent one."""
+    line.check((3,), f"{kind}, dependent node or set, node")
+    leader = data.one(line.keyword, line.row, line.text(2), "the independent node")
+    return data.find(line, 1), leader
 
 
-def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Terms:
+def _mean_rotation(line: Line, nodes: list[int], points: Matrix) -> Terms:
     """Return the equation of a MEANROT: each node three times, then the node of the rotation."""
     turning, turned = nodes[-1:], nodes[:-1]
     distinct = np.array(turned[::3], dtype=np.int64)
     if len(turned) % 3 or not turned or not np.array_equal(np.repeat(distinct, 3), turned):
-        keyword.refuse("expected MEANROT, each node three times, and the node of the rotation", row)
+        line.refuse("expected MEANROT, each node three times, and the node of the rotation")
     axis = points[turning[0]]
     length = float(np.linalg.norm(axis))
     if not length > 0:
-        keyword.refuse(
-            "the coordinates of the last node are the axis of rotation; they are zero", row
-        )
+        line.refuse("the coordinates of the last node are the axis of rotation; they are zero")
     axis = axis / length
     arms = points[distinct] - points[distinct].mean(axis=0)
     spread = float(np.sqrt((arms**2).sum(axis=1).mean()))
@@ -168,9 +151,7 @@ def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix)
     squared = (across**2).sum(axis=1)
     counted = squared > _ON_AXIS * spread
     if not counted.any():
-        keyword.refuse(
-            "all nodes lie on the axis of rotation; they must span a rotation about it", row
-        )
+        line.refuse("all nodes lie on the axis of rotation; they must span a rotation about it")
     gradients = np.zeros_like(arms)
     gradients[counted] = np.cross(axis, across[counted]) / squared[counted, None]
     gradients -= gradients.mean(axis=0)
@@ -185,9 +166,7 @@ _SHAPES = {
 """Number of defining nodes, least number of nodes, shape, and fault of nodes that define none."""
 
 
-def _staying(
-    keyword: Keyword, row: int, kind: str, nodes: list[int], points: Matrix
-) -> Iterator[Terms]:
+def _staying(line: Line, kind: str, nodes: list[int], points: Matrix) -> Iterator[Terms]:
     """Yield the equations that keep nodes on a plane or line.
 
     Normal to it, each node moves by interpolation between the nodes farthest apart.
@@ -195,25 +174,22 @@ def _staying(
     count, least, shape, problem = _SHAPES[kind]
     nodes = list(dict.fromkeys(nodes))
     if len(nodes) <= count:
-        keyword.refuse(
-            f"found {len(nodes)} nodes, expected {least} or more that stay on a {shape}", row
-        )
+        line.refuse(f"found {len(nodes)} nodes, expected {least} or more that stay on a {shape}")
     basis = _farthest(nodes, points)[:count]
     edges = points[basis[1:]] - points[basis[0]]
     across = _across(edges)
     sizes = np.linalg.norm(edges, axis=1)
     if not np.linalg.norm(across[0]) > DECK_DIGITS * np.prod(sizes):
-        keyword.refuse(f"all nodes {problem}; they must span a {shape}", row)
+        line.refuse(f"all nodes {problem}; they must span a {shape}")
     others = [node for node in nodes if node not in basis]
     arms = points[others] - points[basis[0]]
     shares = np.linalg.lstsq(edges.T, arms.T)[0].T
     off = np.linalg.norm(arms - shares @ edges, axis=1)
     wrong = np.flatnonzero(off > DECK_DIGITS * np.linalg.norm(arms, axis=1))
     if wrong.size:
-        keyword.refuse(
+        line.refuse(
             f"a node is {off[wrong[0]]:.3g} off the {shape} of the others; place it there: it "
-            "is not moved to it",
-            row,
+            "is not moved to it"
         )
     shares[np.abs(shares) < ROUND_OFF] = 0.0
     for node, share in zip(others, shares, strict=True):

@@ -19,7 +19,7 @@ from faying.interface.projection import nearest_places
 from faying.interface.selection import select_facets
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData
-from faying.io.abaqus.fields import parameter
+from faying.io.abaqus.fields import Line, lines, parameter
 from faying.io.abaqus.interactions import Interaction
 from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.sets import NamedSets
@@ -39,8 +39,7 @@ class Pair:
     ``lone`` pairs have a single contact point.
     """
 
-    keyword: Keyword
-    row: int
+    line: Line
     slave: DeckSurface
     master: DeckSurface
     interaction: Interaction
@@ -70,22 +69,21 @@ def read_pairs(
             )
         if note not in ignored:
             ignored.append(note)
-        for row, fields in enumerate(keyword.rows()):
-            if removed := removed_sides(surfaces, keyword, row, fields):
+        for line in lines(keyword):
+            if removed := removed_sides(surfaces, line):
                 ignored.append(
-                    f"contact pair {', '.join(fields)}: *MODEL CHANGE removes all elements of "
+                    f"contact pair {', '.join(line.texts)}: *MODEL CHANGE removes all elements of "
                     f"{removed}"
                 )
                 continue
-            slave, master = slave_and_master(surfaces, keyword, row, fields)
+            slave, master = slave_and_master(surfaces, line)
             if not slave.facets:
                 ignored.append(
                     f"slave surface {slave.name} of nodes: taken as the facets between these nodes"
                 )
             pairs.append(
                 Pair(
-                    keyword=keyword,
-                    row=row,
+                    line=line,
                     slave=slave,
                     master=master,
                     interaction=interaction,
@@ -163,7 +161,7 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
                 f"({pair.slave.height:g}, {pair.master.height:g}); tangential motion there is that "
                 "of the nodes, without the lever of the thickness"
             )
-        if pair.adjusted is not None and pair.keyword.has("ADJUST"):
+        if pair.adjusted is not None and pair.line.keyword.has("ADJUST"):
             ignored.append(
                 f"ADJUST of contact pair {name}: gaps start closed there, the mesh is not changed"
             )
@@ -188,10 +186,9 @@ def gap_rules(
             offsets[spec.name] = -height
         if np.isnan(height) or (height and pair.adjusted is not None):
             problem = "ADJUST" if pair.adjusted is not None else "thicknesses that differ"
-            pair.keyword.refuse(
+            pair.line.refuse(
                 f"{problem} is not supported with surfaces of shells in contact; give *CLEARANCE, "
-                "or each thickness a surface and a contact pair",
-                pair.row,
+                "or each thickness a surface and a contact pair"
             )
     for keyword in deck.of("CLEARANCE"):
         name, value = _clearance(keyword, pairs, interfaces)
@@ -233,8 +230,8 @@ def with_lone_nodes(
             continue
         assembly, points = _points(assembly, pair)
         if not points:
-            pair.keyword.refuse(
-                f"no node of surface '{pair.slave.name}' lies above '{pair.master.name}'", pair.row
+            pair.line.refuse(
+                f"no node of surface '{pair.slave.name}' lies above '{pair.master.name}'"
             )
         replaced += points
         ignored.append(

@@ -9,7 +9,7 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.digits import ROUND_OFF
 from faying.interface.facets import gauss_rule, shape_functions, surface
 from faying.io.abaqus.deck_data import DeckData, component_range
-from faying.io.abaqus.fields import check_count, positive
+from faying.io.abaqus.fields import lines
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.line_elements import TYPES
 from faying.io.abaqus.mesh import SHELL_TYPES, Elements
@@ -116,9 +116,8 @@ def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> 
 
 def _components(member: Keyword) -> tuple[int, ...]:
     components: set[int] = set()
-    for row, fields in enumerate(member.rows()):
-        check_count(member, row, fields, (1, 2), "the first and the last degree of freedom")
-        components.update(component_range(member, row, fields))
+    for line in lines(member, (1, 2), "the first and the last degree of freedom"):
+        components.update(component_range(line, 0))
     return tuple(sorted(components)) or _ALL
 
 
@@ -155,10 +154,9 @@ def read_distributing(data: DeckData) -> list[Equation]:
         if len(members) != 1 or members[0] not in reference_of:
             keyword.refuse(f"the set '{keyword.value('ELSET')}' is not one DCOUP3D element")
         weights: dict[int, float] = {}
-        for row, fields in enumerate(keyword.rows()):
-            check_count(keyword, row, fields, (2,), "node or node set and weight")
-            weight = positive(keyword, row, fields[1], "the weight")
-            weights.update(dict.fromkeys(data.find(keyword, row, fields[0]).tolist(), weight))
+        for line in lines(keyword, (2,), "node or node set and weight"):
+            weight = line.positive(1, "the weight")
+            weights.update(dict.fromkeys(data.find(line).tolist(), weight))
         reference = reference_of[members[0]]
         weights.pop(reference, None)
         total = sum(weights.values())

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import refuse
-from faying.io.abaqus.fields import check_count, integers, numbers, table
+from faying.io.abaqus.fields import integers, lines, table
 from faying.io.abaqus.keyword import (
     PARAMETERS,
     Body,
@@ -282,16 +282,16 @@ def _check_closed(opened: Sequence[Keyword]) -> None:
 
 def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
     """Return rotation and translation of an instance: first moved, then rotated about an axis."""
-    rows = keyword.rows()
+    rows = lines(keyword)
     if len(rows) > 2:
-        keyword.refuse("found more than two data lines; expected a translation and a rotation", 2)
+        rows[2].refuse("found more than two data lines; expected a translation and a rotation")
     rotation, shift = np.eye(3), np.zeros(3)
     if rows:
-        check_count(keyword, 0, rows[0], (3,), "a translation (3 numbers)")
-        shift = np.array(numbers(keyword, 0, rows[0], "a translation"))
+        rows[0].check((3,), "a translation (3 numbers)")
+        shift = np.array(rows[0].reals("a translation"))
     if len(rows) == 2:
-        check_count(keyword, 1, rows[1], (7,), "two points of an axis and an angle (7 numbers)")
-        values = np.array(numbers(keyword, 1, rows[1], "a coordinate or an angle"))
+        rows[1].check((7,), "two points of an axis and an angle (7 numbers)")
+        values = np.array(rows[1].reals("a coordinate or an angle"))
         first, second, angle = values[:3], values[3:6], np.radians(values[6])
         length = float(np.linalg.norm(second - first))
         if not length > 0:

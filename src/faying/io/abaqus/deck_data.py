@@ -5,10 +5,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from faying._typing import Indices, Vector
+from faying._typing import Indices
 from faying.digits import SOLVED
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import integer, only_line, padded
+from faying.io.abaqus.fields import Line, only_line
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.mesh import SYSTEMS, Elements, Nodes, read_elements, read_nodes
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
@@ -38,10 +38,10 @@ class DeckData:
     local: NodeAxes
     rotations: Mapping[int, int] = field(default_factory=dict)
 
-    def find(self, keyword: Keyword, row: int, label: str) -> Indices:
+    def find(self, line: Line, column: int = 0) -> Indices:
         """Return the node indices of a field: an id, or a node set."""
-        ids = self.node_sets.members(keyword, label, row)
-        return self.nodes.index(ids, keyword, np.full(len(ids), row))
+        ids = self.node_sets.members(line.keyword, line.text(column), line.row)
+        return self.nodes.index(ids, line.keyword, np.full(len(ids), line.row))
 
     def named_nodes(self, keyword: Keyword, name: str) -> Indices:
         """Return the node indices of the set of a parameter."""
@@ -99,15 +99,10 @@ def read_data(deck: Deck) -> DeckData:
 def with_transforms(data: DeckData) -> DeckData:
     """Return the data with the local axes of all *TRANSFORM."""
     for keyword in data.deck.of("TRANSFORM"):
-        fields = only_line(keyword, range(7), "the coordinates of two points a and b")
-        values = padded(keyword, 0, fields, 6, "a coordinate")
+        line = only_line(keyword, range(7), "the coordinates of two points a and b")
         kind, nodes = keyword.choice("TYPE"), data.named_nodes(keyword, "NSET")
-        data = data.along(
-            nodes,
-            rectangular(keyword, 0, values)
-            if kind == "R"
-            else about_axis(keyword, values, SYSTEMS[kind]),
-        )
+        frame = rectangular(line) if kind == "R" else about_axis(line, SYSTEMS[kind])
+        data = data.along(nodes, frame)
     if count := data.local.n_on_axis:
         data.deck.ignored.append(f"{count} nodes on the axis of their *TRANSFORM: {ON_AXIS}")
     return data
@@ -116,26 +111,25 @@ def with_transforms(data: DeckData) -> DeckData:
 ON_AXIS = "any direction normal to it is radial there; that of CalculiX is used"
 
 
-def rectangular(keyword: Keyword, row: int, values: Vector) -> Frame:
+def rectangular(line: Line) -> Frame:
     """Return the system of points a and b, and of an origin after them if given."""
-    origin = values[6:] if len(values) > 6 else np.zeros(3)
-    axes = axes_along(values[:3] - origin, values[3:6] - origin)
+    first, second, origin = line.padded(9, "a coordinate").reshape(3, 3)
+    axes = axes_along(first - origin, second - origin)
     if axes is None:
-        keyword.refuse(
-            "points a and b lie on one line with the origin; they must span a plane", row
-        )
+        line.refuse("points a and b lie on one line with the origin; they must span a plane")
     return Frame(kind="R", origin=origin, axes=axes)
 
 
-def about_axis(keyword: Keyword, values: Vector, kind: str) -> Frame:
+def about_axis(line: Line, kind: str) -> Frame:
     """Return a cylindrical or spherical system about the line between two points.
 
     Its x axis is the direction that CalculiX uses as radial on the axis.
     """
-    axis = values[3:] - values[:3]
+    origin, end = line.padded(6, "a coordinate").reshape(2, 3)
+    axis = end - origin
     length = float(np.linalg.norm(axis))
     if not length > 0:
-        keyword.refuse("the two points of the axis coincide", 0)
+        line.refuse("the two points of the axis coincide")
     axis = axis / length
     if abs(axis[0]) > SOLVED:
         radial = np.array([-axis[1] / axis[0], 1.0, 0.0])
@@ -145,23 +139,23 @@ def about_axis(keyword: Keyword, values: Vector, kind: str) -> Frame:
         radial = np.array([1.0, 0.0, 0.0])
     radial /= np.linalg.norm(radial)
     axes = np.stack([radial, np.cross(axis, radial), axis])
-    return Frame(kind=kind, origin=values[:3], axes=axes)
+    return Frame(kind=kind, origin=origin, axes=axes)
 
 
-def component(keyword: Keyword, row: int, text: str) -> int:
+def component(line: Line, column: int) -> int:
     """Return the component 0..5 of a field 1..6."""
-    value = integer(keyword, row, text, "a degree of freedom")
+    value = line.integer(column, "a degree of freedom")
     if not 1 <= value <= 6:
-        keyword.refuse(
-            f"found degree of freedom {value}, expected 1 to 6 (displacements and rotations)", row
+        line.refuse(
+            f"found degree of freedom {value}, expected 1 to 6 (displacements and rotations)"
         )
     return value - 1
 
 
-def component_range(keyword: Keyword, row: int, fields: list[str]) -> range:
+def component_range(line: Line, column: int) -> range:
     """Return the components 0..5 between two fields, of which the last may be blank."""
-    first = component(keyword, row, fields[0])
-    last = component(keyword, row, fields[1]) if len(fields) > 1 and fields[1] else first
+    first = component(line, column)
+    last = component(line, column + 1) if line.text(column + 1) else first
     if last < first:
-        keyword.refuse(f"the last degree of freedom {last + 1} is below the first {first + 1}", row)
+        line.refuse(f"the last degree of freedom {last + 1} is below the first {first + 1}")
     return range(first, last + 1)

@@ -7,12 +7,14 @@ an error with its line, never a zero.
 import math
 import re
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Mask, Vector
+from faying.exceptions import FormatError
 from faying.io.abaqus.keyword import Keyword
 from faying.io.deck_lines import LONGEST_WORD
 
@@ -180,15 +182,7 @@ def is_integer(text: str) -> bool:
     return _INTEGER.fullmatch(text) is not None
 
 
-def integer(keyword: Keyword, row: int | None, text: str, what: str) -> int:
-    """Return the value of an integer field."""
-    if not is_integer(text):
-        keyword.refuse(f"found '{text}', expected {what}, a whole number", row)
-    return int(text)
-
-
-def real(keyword: Keyword, row: int | None, text: str, what: str) -> float:
-    """Return the value of a required real field."""
+def _number(keyword: Keyword, text: str, what: str, row: int | None = None) -> float:
     if _REAL.fullmatch(text):
         value = float(text.upper().replace("D", "E"))
         if math.isfinite(value):
@@ -197,50 +191,91 @@ def real(keyword: Keyword, row: int | None, text: str, what: str) -> float:
     raise keyword.error(message, row)
 
 
-def optional_real(
-    keyword: Keyword, row: int, fields: list[str], column: int, default: float, what: str
-) -> float:
-    """Return the value of a real field, or the default where it is empty."""
-    text = fields[column] if column < len(fields) else ""
-    return real(keyword, row, text, what) if text else default
-
-
 def parameter(keyword: Keyword, name: str, default: float | None = None) -> float:
     """Return the number of a parameter, which is required unless it has a default."""
     if default is not None and not keyword.has(name):
         return default
-    return real(keyword, None, keyword.required(name), name)
+    return _number(keyword, keyword.required(name), name)
 
 
-def positive(keyword: Keyword, row: int, text: str, what: str) -> float:
-    """Return the value of a required positive field."""
-    value = real(keyword, row, text, what)
-    if not value > 0:
-        keyword.refuse(f"{what} is {value:g}; it must be positive", row)
-    return value
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A data line of a keyword, or some of its fields: its number, and the stripped texts."""
+
+    keyword: Keyword
+    row: int
+    texts: list[str]
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+    def text(self, column: int) -> str:
+        """Return a field; empty beyond the end of the line."""
+        return self.texts[column] if column < len(self) else ""
+
+    def error(self, text: str) -> FormatError:
+        """Return the error that names file, line and keyword."""
+        return self.keyword.error(text, self.row)
+
+    def refuse(self, text: str) -> NoReturn:
+        """Raise the error that names file, line and keyword."""
+        raise self.error(text)
+
+    def behind(self, column: int) -> "Line":
+        """Return the fields from a column on."""
+        return replace(self, texts=self.texts[column:])
+
+    def groups(self, size: int) -> list["Line"]:
+        """Return the fields in groups of some size."""
+        starts = range(0, len(self), size)
+        return [replace(self, texts=self.texts[start : start + size]) for start in starts]
+
+    def check(self, counts: Container[int], expected: str) -> None:
+        """Refuse another number of fields."""
+        if len(self) not in counts:
+            self.refuse(f"found {len(self)} fields, expected {expected}")
+
+    def integer(self, column: int, what: str) -> int:
+        """Return the value of an integer field."""
+        if not is_integer(self.text(column)):
+            self.refuse(f"found '{self.text(column)}', expected {what}, a whole number")
+        return int(self.text(column))
+
+    def real(self, column: int, what: str, default: float | None = None) -> float:
+        """Return the value of a real field; an empty one is the default, or an error without."""
+        text = self.text(column)
+        if default is not None and not text:
+            return default
+        return _number(self.keyword, text, what, self.row)
+
+    def positive(self, column: int, what: str) -> float:
+        """Return the value of a required positive field."""
+        value = self.real(column, what)
+        if not value > 0:
+            self.refuse(f"{what} is {value:g}; it must be positive")
+        return value
+
+    def reals(self, what: str) -> list[float]:
+        """Return the values of all fields."""
+        return [self.real(column, what) for column in range(len(self))]
+
+    def padded(self, count: int, what: str) -> Vector:
+        """Return real fields (count,), zero where they are empty or missing."""
+        return np.array([self.real(column, what, 0.0) for column in range(count)])
 
 
-def numbers(keyword: Keyword, row: int, fields: list[str], what: str) -> list[float]:
-    """Return the values of required real fields."""
-    return [real(keyword, row, text, what) for text in fields]
+def lines(keyword: Keyword, counts: Container[int] | None = None, expected: str = "") -> list[Line]:
+    """Return the data lines of a keyword; refuse other numbers of fields than ``counts``."""
+    found = [Line(keyword, row, texts) for row, texts in enumerate(keyword.rows())]
+    if counts is not None:
+        for line in found:
+            line.check(counts, expected)
+    return found
 
 
-def padded(keyword: Keyword, row: int, fields: list[str], count: int, what: str) -> Vector:
-    """Return real fields (count,), zero where they are empty or missing."""
-    return np.array([optional_real(keyword, row, fields, i, 0.0, what) for i in range(count)])
-
-
-def check_count(
-    keyword: Keyword, row: int, fields: list[str], counts: Container[int], expected: str
-) -> None:
-    """Refuse a data line with another number of fields."""
-    if len(fields) not in counts:
-        keyword.refuse(f"found {len(fields)} fields, expected {expected}", row)
-
-
-def only_line(keyword: Keyword, counts: Container[int], expected: str) -> list[str]:
-    """Return the fields of a keyword with a single data line."""
-    rows = keyword.rows()
-    if len(rows) != 1 or len(rows[0]) not in counts:
-        keyword.refuse(f"expected one data line with {expected}", 0 if rows else None)
-    return rows[0]
+def only_line(keyword: Keyword, counts: Container[int], expected: str) -> Line:
+    """Return the single data line of a keyword."""
+    found = lines(keyword)
+    if len(found) != 1 or len(found[0]) not in counts:
+        keyword.refuse(f"expected one data line with {expected}", 0 if found else None)
+    return found[0]

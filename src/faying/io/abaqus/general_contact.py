@@ -11,6 +11,7 @@ from faying.interface.mortar import find_couplings
 from faying.interface.selection import DEFAULT_TOLERANCE
 from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import lines
 from faying.io.abaqus.interactions import Interaction
 from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut
@@ -90,18 +91,15 @@ def read_listed(
     for keyword in deck.of("CONTACT INCLUSIONS"):
         if keyword.has("ALL EXTERIOR"):
             continue
-        for row, fields in enumerate(keyword.rows()):
-            slave, master = slave_and_master(surfaces, keyword, row, fields)
+        for line in lines(keyword):
+            slave, master = slave_and_master(surfaces, line)
             sides = frozenset((slave.name, master.name))
             interaction = chosen.pop(sides, everywhere)
             if interaction is None:
-                keyword.refuse(
-                    "*CONTACT PROPERTY ASSIGNMENT gives this pair no *SURFACE INTERACTION", row
-                )
+                line.refuse("*CONTACT PROPERTY ASSIGNMENT gives this pair no *SURFACE INTERACTION")
             pairs.append(
                 Pair(
-                    keyword=keyword,
-                    row=row,
+                    line=line,
                     slave=slave,
                     master=master,
                     interaction=interaction,
@@ -125,19 +123,19 @@ def _assigned(
     chosen: dict[frozenset[str], Interaction] = {}
     everywhere = None
     for keyword in deck.of("CONTACT PROPERTY ASSIGNMENT"):
-        for row, fields in enumerate(keyword.rows()):
-            name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
-            twice = everywhere is not None and not any(fields[:2])
-            if twice or name not in interactions or any(fields[:2]) != all(fields[:2]):
-                keyword.refuse(
-                    f"found '{', '.join(fields)}', expected two surfaces, or none on one line for "
-                    "all pairs, and the name of a *SURFACE INTERACTION",
-                    row,
+        for line in lines(keyword):
+            fields = line.texts[:2]
+            name = line.text(2).strip("\"' ").upper() if len(line) == 3 else ""
+            twice = everywhere is not None and not any(fields)
+            if twice or name not in interactions or any(fields) != all(fields):
+                line.refuse(
+                    f"found '{', '.join(line.texts)}', expected two surfaces, or none on one line "
+                    "for all pairs, and the name of a *SURFACE INTERACTION"
                 )
             if interactions[name].tied:
-                keyword.refuse("general contact that is TIED is not supported; give *TIE", row)
-            if any(fields[:2]):
-                sides = [find_surface(surfaces, keyword, text, row).name for text in fields[:2]]
+                line.refuse("general contact that is TIED is not supported; give *TIE")
+            if any(fields):
+                sides = [find_surface(surfaces, keyword, text, line.row).name for text in fields]
                 chosen[frozenset(sides)] = interactions[name]
             else:
                 everywhere = interactions[name]

@@ -9,7 +9,7 @@ from faying.contact.laws import Curve, ExponentialClosure, TableClosure
 from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import numbers, only_line, optional_real, parameter, positive, real
+from faying.io.abaqus.fields import Line, lines, only_line, parameter
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.solid_sections import is_of_abaqus
 from faying.io.left_out import IGNORABLE
@@ -34,15 +34,14 @@ def tied_slopes(
 
     If a deck has no stick slope, CalculiX 2.20 uses half of the largest E.
     """
-    rows = keyword.rows()
+    rows = lines(keyword)
     if not rows:
         return "hard", "auto"
-    first = [(elastic, elastic.rows()[0][0]) for elastic in deck.of("ELASTIC") if elastic.data]
-    stick = max((real(elastic, 0, text, "a modulus") for elastic, text in first), default=0.0) / 2
-    slope, along = real(keyword, 0, rows[0][0], "the slope"), stick
-    for member in friction:
-        row = next(iter(member.rows()), [])
-        along = optional_real(member, 0, row, 1, stick, "the stick slope")
+    moduli = [lines(elastic)[0] for elastic in deck.of("ELASTIC") if elastic.data]
+    stick = max((line.real(0, "a modulus") for line in moduli), default=0.0) / 2
+    slope, along = rows[0].real(0, "the slope"), stick
+    for line in (lines(member)[0] for member in friction if member.data):
+        along = line.real(1, "the stick slope", stick)
     if not (slope > 0 and along > 0):
         keyword.refuse(
             f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive", 0
@@ -59,14 +58,14 @@ def read_friction(keyword: Keyword, ignored: list[str]) -> tuple[float, Stick]:
     """Return coefficient and stick stiffness, and note differences to the deck's program."""
     keyword.check()
     laws = [name for name in _OTHER_LAWS if keyword.has(name)]
-    rows = keyword.rows()
+    rows = lines(keyword)
     if laws or len(rows) > 1:
         what = laws[0] if laws else f"a table of {len(rows)} lines"
         keyword.refuse(
             f"friction by {what} is not supported; give one line with one coefficient, or leave "
             'friction out by ignore = ["friction"]'
         )
-    coefficient = real(keyword, 0, rows[0][0], "a coefficient") if rows else 0.0
+    coefficient = rows[0].real(0, "a coefficient") if rows else 0.0
     if not 0 <= coefficient <= LARGEST_FRICTION and coefficient < _NO_SLIP:
         keyword.refuse(
             f"the coefficient of friction is {coefficient:g}; give a number from 0 to "
@@ -79,12 +78,12 @@ def read_friction(keyword: Keyword, ignored: list[str]) -> tuple[float, Stick]:
             "here, which is equivalent as long as no point slips"
         )
         coefficient = LARGEST_FRICTION
-    return coefficient, _stiffness(keyword, rows[0], ignored) if coefficient else "auto"
+    return coefficient, _stiffness(rows[0], ignored) if coefficient else "auto"
 
 
-def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> Stick:
+def _stiffness(line: Line, ignored: list[str]) -> Stick:
     """Return the stick stiffness of a slope; "auto" for an elastic slip."""
-    slope = optional_real(keyword, 0, row, 1, 0.0, "the stick slope") if len(row) > 1 else 0.0
+    keyword, slope = line.keyword, line.real(1, "the stick slope", 0.0)
     if keyword.has("SHEAR TRACTION SLOPE"):
         slope = parameter(keyword, "SHEAR TRACTION SLOPE")
     if slope < 0:
@@ -125,11 +124,11 @@ def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Nor
         return "hard"
     if kind in ("EXPONENTIAL", "TABULAR"):
         return _curve(keyword, kind, abaqus)
-    fields = only_line(keyword, range(1, 4), "the slope (pressure per overclosure)")
-    slope = positive(keyword, 0, fields[0], "the slope")
-    for column in range(1, len(fields)):
+    line = only_line(keyword, range(1, 4), "the slope (pressure per overclosure)")
+    slope = line.positive(0, "the slope")
+    for column in range(1, len(line)):
         # CalculiX: tension at large clearance and its range, for node-to-surface contact only.
-        optional_real(keyword, 0, fields, column, 0.0, "a number")
+        line.real(column, "a number", 0.0)
         ignored.append("tension and range after the slope of *SURFACE BEHAVIOR")
     return slope
 
@@ -144,7 +143,7 @@ def _curve(keyword: Keyword, kind: str, abaqus: bool) -> Curve:
     CalculiX (User's Manual, *SURFACE BEHAVIOR): p = p0 exp(c ln(100) / c0), zero beyond c0 of
     clearance; by a table whose chords are 3e-4 above it. Abaqus: p0 s (e^s - 1) / (e - 1).
     """
-    rows = [numbers(keyword, i, row, "a number") for i, row in enumerate(keyword.rows())]
+    rows = [line.reals("a number") for line in lines(keyword)]
     pairs = 1 if kind == "EXPONENTIAL" else max(len(rows), 2)
     if len(rows) != pairs or any(len(row) != 2 for row in rows):
         keyword.refuse(

@@ -11,15 +11,7 @@ from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData, component
-from faying.io.abaqus.fields import (
-    check_count,
-    numbers,
-    only_line,
-    padded,
-    parameter,
-    positive,
-    real,
-)
+from faying.io.abaqus.fields import Line, lines, only_line, parameter
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.mesh import ElementBlock
 from faying.io.abaqus.sets import section_numbers
@@ -67,10 +59,10 @@ def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Be
 
 def _beam(keyword: Keyword, number: int, materials: Mapping[str, Material]) -> Beam:
     """Return a beam with the section of a keyword, without nodes."""
-    rows = keyword.rows()
+    rows = lines(keyword)
     if keyword.name == "BEAM SECTION":
         material = find_isotropic(materials, keyword)
-        section = _profile(keyword, rows, material.poissons_ratio)
+        section = _profile(keyword, rows[:1], material.poissons_ratio)
     else:
         section, material = _general(keyword, rows)
     return Beam(
@@ -78,30 +70,30 @@ def _beam(keyword: Keyword, number: int, materials: Mapping[str, Material]) -> B
         nodes=(0, 0),
         section=section,
         material=material,
-        orientation=_direction(keyword, rows),
+        orientation=_direction(rows[1:]),
         property=number,
     )
 
 
-def _measures(keyword: Keyword, rows: list[list[str]], counts: tuple[int, ...]) -> list[float]:
-    if not rows or len(rows[0]) not in counts:
+def _measures(keyword: Keyword, first: list[Line], counts: tuple[int, ...]) -> list[float]:
+    if not first or len(first[0]) not in counts:
         shown = " or ".join(map(str, counts))
         keyword.refuse(
-            f"expected {shown} measures of the section on the first data line", 0 if rows else None
+            f"expected {shown} measures of the section on the first data line", 0 if first else None
         )
-    return [positive(keyword, 0, text, "a measure") for text in rows[0]]
+    return [first[0].positive(column, "a measure") for column in range(len(first[0]))]
 
 
-def _profile(keyword: Keyword, rows: list[list[str]], poisson: float) -> BeamSection:
+def _profile(keyword: Keyword, first: list[Line], poisson: float) -> BeamSection:
     """Return the section of a circle, pipe or rectangle; the first local axis n1 is y here."""
     kind = keyword.choice("SECTION")
     if kind not in ("CIRC", "PIPE", "RECT"):
         shapes = "CIRC, PIPE, RECT, or *BEAM GENERAL SECTION"
         keyword.refuse(f"SECTION={kind} is not supported; give {shapes}")
     if kind == "RECT":
-        width, height = _measures(keyword, rows, (2,))
+        width, height = _measures(keyword, first, (2,))
         return rectangular_section(width, height, _rectangle_torsion(width, height), poisson)
-    radius, *others = _measures(keyword, rows, (2,) if kind == "PIPE" else (1, 2))
+    radius, *others = _measures(keyword, first, (2,) if kind == "PIPE" else (1, 2))
     if kind == "CIRC" and others not in ([], [radius]):
         keyword.refuse("an elliptic section is not supported; give one radius", 0)
     inner = radius - others[0] if kind == "PIPE" else 0.0
@@ -121,15 +113,15 @@ def _rectangle_torsion(width: float, height: float) -> float:
     return float(long * short**3 / 3 * (1 - 192 / np.pi**5 * short / long * series))
 
 
-def _general(keyword: Keyword, rows: list[list[str]]) -> tuple[BeamSection, Material]:
+def _general(keyword: Keyword, rows: list[Line]) -> tuple[BeamSection, Material]:
     """Return section and material of *BEAM GENERAL SECTION."""
     if len(rows) != 3 or len(rows[0]) != 5 or not 2 <= len(rows[2]) <= 4:
         keyword.refuse(
             "expected three data lines: area, I11, I12, I22, J; direction of the first axis; "
             "Young's modulus, shear modulus"
         )
-    area, i11, i12, i22, torsion = numbers(keyword, 0, rows[0], "a constant")
-    modulus, shear = numbers(keyword, 2, rows[2][:2], "a modulus")
+    area, i11, i12, i22, torsion = rows[0].reals("a constant")
+    modulus, shear = (rows[2].real(column, "a modulus") for column in (0, 1))
     density = parameter(keyword, "DENSITY", 0.0)
     if i12 != 0.0:
         keyword.refuse("I12 is not zero; give the section in its principal axes", 0)
@@ -144,14 +136,15 @@ def _general(keyword: Keyword, rows: list[list[str]]) -> tuple[BeamSection, Mate
     return BeamSection(area=area, inertia_y=i11, inertia_z=i22, torsion=torsion), material
 
 
-def _direction(keyword: Keyword, rows: list[list[str]]) -> Direction:
+def _direction(second: list[Line]) -> Direction:
     """Return the direction of the first local axis n1; both programs default to (0, 0, -1)."""
-    if len(rows) < 2:
+    if not second:
         return (0.0, 0.0, -1.0)
-    if len(rows[1]) != 3:
-        keyword.refuse("expected the direction of the first local axis: three numbers", 1)
-    turned = keyword.scope.rotation @ padded(keyword, 1, rows[1], 3, "a direction")
-    return (float(turned[0]), float(turned[1]), float(turned[2]))
+    line = second[0]
+    if len(line) != 3:
+        line.refuse("expected the direction of the first local axis: three numbers")
+    x, y, z = (line.keyword.scope.rotation @ line.padded(3, "a direction")).tolist()
+    return (x, y, z)
 
 
 TRUSSES = ("T3D2",)
@@ -184,8 +177,8 @@ def read_trusses(data: DeckData, materials: Mapping[str, Material]) -> Iterator[
 
 
 def _section(keyword: Keyword) -> BeamSection:
-    rows = keyword.rows()
-    area = positive(keyword, 0, rows[0][0], "an area") if rows and rows[0][0] else 1.0
+    rows = lines(keyword)
+    area = rows[0].positive(0, "an area") if rows and rows[0].text(0) else 1.0
     return BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=0.0)
 
 
@@ -207,17 +200,15 @@ def read_springs(data: DeckData) -> tuple[tuple[Spring, ...], tuple[Bush, ...]]:
 
 
 def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) -> Spring | Bush:
-    rows = keyword.rows()
+    rows = lines(keyword)
     if len(rows) != 2 and not (block.type == "SPRINGA" and len(rows) == 1):
         keyword.refuse(
             f"found {len(rows)} data lines, expected the degrees of freedom (blank for SPRINGA) "
             "and one stiffness; nonlinear springs are not supported"
         )
-    value = real(keyword, len(rows) - 1, rows[-1][0], "a stiffness")
-    if any(rows[-1][1:]):
-        keyword.refuse(
-            "a stiffness that depends on frequency or temperature is not supported", len(rows) - 1
-        )
+    value = rows[-1].real(0, "a stiffness")
+    if any(rows[-1].texts[1:]):
+        rows[-1].refuse("a stiffness that depends on frequency or temperature is not supported")
     nodes = block.nodes[i].tolist()
     if block.type == "SPRINGA":
         axis = _axis(block, i, coordinates)
@@ -225,8 +216,8 @@ def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) 
             return _inclined(block, i, value, coordinates)
         components = [axis] * 2
     else:
-        check_count(keyword, 0, rows[0], (len(nodes),), f"{len(nodes)} degrees of freedom")
-        components = [component(keyword, 0, text) for text in rows[0]]
+        rows[0].check((len(nodes),), f"{len(nodes)} degrees of freedom")
+        components = [component(rows[0], column) for column in range(len(nodes))]
     ends = tuple(zip(nodes, components, strict=True))
     return Spring(id=int(block.ids[i]), ends=ends, stiffness=value)
 
@@ -268,20 +259,20 @@ def read_masses(data: DeckData) -> Iterator[PointMass]:
 
 
 def _mass(keyword: Keyword) -> PointMass:
-    (text,) = only_line(keyword, (1,), "one mass")
-    value = real(keyword, 0, text, "a mass")
+    line = only_line(keyword, (1,), "one mass")
+    value = line.real(0, "a mass")
     if value < 0:
-        keyword.refuse(f"the mass is {value:g}; it must not be negative", 0)
+        line.refuse(f"the mass is {value:g}; it must not be negative")
     return PointMass(id=0, node=0, mass=value)
 
 
 def _inertia(keyword: Keyword) -> PointMass:
-    fields = only_line(keyword, range(3, 7), "I11, I22, I33, I12, I13, I23")
-    xx, yy, zz, xy, xz, yz = padded(keyword, 0, fields, 6, "an inertia")
+    line = only_line(keyword, range(3, 7), "I11, I22, I33, I12, I13, I23")
+    xx, yy, zz, xy, xz, yz = line.padded(6, "an inertia")
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     turned = keyword.scope.rotation @ tensor @ keyword.scope.rotation.T
     if np.linalg.eigvalsh(tensor).min() < 0:
-        keyword.refuse("the inertia has a negative principal value; check its signs", 0)
+        line.refuse("the inertia has a negative principal value; check its signs")
     first, second, third = ((float(a), float(b), float(c)) for a, b, c in turned)
     return PointMass(id=0, node=0, mass=0.0, inertia=(first, second, third))
 
@@ -305,6 +296,6 @@ def note_masses(deck: Deck, solids: Sequence[ElementBlock]) -> None:
         return
     if any(block.type == "C3D8I" for block in solids):
         deck.ignored.append(_INCOMPATIBLE)
-    rows = [row for keyword in deck.of("FREQUENCY") for row in keyword.rows()[:1]]
-    if any(len(row) > _TIME_STEP and row[_TIME_STEP] for row in rows):
+    rows = [line for keyword in deck.of("FREQUENCY") for line in lines(keyword)[:1]]
+    if any(line.text(_TIME_STEP) for line in rows):
         deck.ignored.append(_SCALED)

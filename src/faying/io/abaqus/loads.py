@@ -10,7 +10,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData, component
-from faying.io.abaqus.fields import check_count, integer, numbers, parameter, real
+from faying.io.abaqus.fields import Line, lines, parameter
 from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import Surfaces, faces_of_solids, find_surface
@@ -70,9 +70,8 @@ def read_amplitudes(deck: Deck) -> Amplitudes:
         add(amplitudes, keyword, keyword.required("NAME"), keyword, "amplitudes")
     lengths = [0.0] + [1.0] * deck.n_step
     for keyword in deck.of(*_TIMED):
-        rows = keyword.rows()
-        if keyword.step and rows and len(rows[0]) > 1 and rows[0][1]:
-            lengths[keyword.step] = real(keyword, 0, rows[0][1], "the length of the step")
+        for line in lines(keyword)[:1] if keyword.step else ():
+            lengths[keyword.step] = line.real(1, "the length of the step", 1.0)
     return Amplitudes(keywords=amplitudes, lengths=lengths)
 
 
@@ -80,9 +79,9 @@ def _table(keyword: Keyword) -> tuple[Vector, Vector]:
     """Return times and values of an amplitude, shifted by SHIFTX and SHIFTY as in CalculiX."""
     keyword.check()
     numbers = [
-        real(keyword, row, text, "a time or a value")
-        for row, fields in enumerate(keyword.rows())
-        for text in fields
+        line.real(column, "a time or a value")
+        for line in lines(keyword)
+        for column, text in enumerate(line.texts)
         if text
     ]
     if len(numbers) < 2 or len(numbers) % 2:
@@ -155,11 +154,9 @@ def _is_imaginary(keyword: Keyword) -> bool:
 def _concentrated(keyword: Keyword, data: DeckData) -> Iterator[tuple[tuple[int, int], float]]:
     if _is_imaginary(keyword):
         return
-    for row, fields in enumerate(keyword.rows()):
-        check_count(keyword, row, fields, (3,), "node or node set, degree of freedom, force")
-        c = component(keyword, row, fields[1])
-        value = real(keyword, row, fields[2], "a force")
-        for node in data.find(keyword, row, fields[0]).tolist():
+    for line in lines(keyword, (3,), "node or node set, degree of freedom, force"):
+        c, value = component(line, 1), line.real(2, "a force")
+        for node in data.find(line).tolist():
             yield (node, c), value
 
 
@@ -196,39 +193,34 @@ def read_distributed(
 def _lines(
     keyword: Keyword, assembly: Assembly, sets: NamedSets, surfaces: Surfaces
 ) -> Iterator[tuple[LoadKey, Matrix]]:
-    for row, fields in enumerate(keyword.rows()):
-        if len(fields) < 3:
-            keyword.refuse(
-                f"found {len(fields)} fields, expected a set, a kind of load and its value", row
-            )
-        kind = fields[1].upper()
-        key = (f"{keyword.name} {fields[0].upper()}", kind)
+    for line in lines(keyword):
+        if len(line) < 3:
+            line.refuse(f"found {len(line)} fields, expected a set, a kind of load and its value")
+        label, kind = line.text(0), line.text(1).upper()
+        key = (f"{keyword.name} {label.upper()}", kind)
         if keyword.name == "DSLOAD":
-            if kind != "P" or len(fields) != 3:
-                keyword.refuse(f"load {kind} is not supported; P (pressure) is", row)
-            surface = find_surface(surfaces, keyword, fields[0], row)
+            if kind != "P" or len(line) != 3:
+                line.refuse(f"load {kind} is not supported; P (pressure) is")
+            surface = find_surface(surfaces, keyword, label, line.row)
             if not surface.facets:
-                keyword.refuse(f"surface '{fields[0]}' has no facets for a pressure", row)
-            value = real(keyword, row, fields[2], "a pressure")
-            yield key, _pressure(assembly, surface.facets, value)
+                line.refuse(f"surface '{label}' has no facets for a pressure")
+            yield key, _pressure(assembly, surface.facets, line.real(2, "a pressure"))
         elif kind in _BODY_FORCES:
-            yield key, _body_force(keyword, row, fields, assembly, sets)
-        elif kind == "P" and len(fields) == 3:
-            value = real(keyword, row, fields[2], "a pressure")
-            yield key, _on_shells(keyword, row, fields[0], assembly, sets, value)
-        elif len(kind) == 2 and kind[0] == "P" and len(fields) == 3:
-            face = integer(keyword, row, kind[1], "a face P1 … P6")
-            ids = sets.members(keyword, fields[0], row)
+            yield key, _body_force(line, assembly, sets)
+        elif kind == "P" and len(line) == 3:
+            yield key, _on_shells(line, assembly, sets)
+        elif len(kind) == 2 and kind[0] == "P" and len(line) == 3:
+            face = replace(line, texts=[kind[1]]).integer(0, "a face P1 … P6")
+            ids = sets.members(keyword, label, line.row)
             facets = faces_of_solids(
-                keyword, assembly.mesh, ids, np.full(len(ids), face), np.full(len(ids), row)
+                keyword, assembly.mesh, ids, np.full(len(ids), face), np.full(len(ids), line.row)
             )
-            value = real(keyword, row, fields[2], "a pressure")
+            value = line.real(2, "a pressure")
             yield key, _pressure(assembly, nodes_by_kind(facets), value)
         else:
-            keyword.refuse(
+            line.refuse(
                 f"load {kind} is not supported; P1 … P6 (pressure), P on shells, GRAV and CENTRIF "
-                "are",
-                row,
+                "are"
             )
 
 
@@ -242,37 +234,33 @@ def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -
     return forces
 
 
-def _on_shells(
-    keyword: Keyword, row: int, label: str, assembly: Assembly, sets: NamedSets, value: float
-) -> Matrix:
+def _on_shells(line: Line, assembly: Assembly, sets: NamedSets) -> Matrix:
     """Return the nodal forces of a pressure on shells, which acts along their normal."""
-    ids = sets.members(keyword, label, row)
+    ids = sets.members(line.keyword, line.text(0), line.row)
     parts = [(block.kind, block.nodes[np.isin(block.ids, ids)]) for block in assembly.shells]
     if sum(len(nodes) for _, nodes in parts) != len(ids):
-        keyword.refuse(
-            f"{label} has not only shells; P is a pressure on shells, P1 … P6 on solids", row
+        line.refuse(
+            f"{line.text(0)} has not only shells; P is a pressure on shells, P1 … P6 on solids"
         )
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     for kind, nodes in parts:
-        forces += _pressure(assembly, {kind: nodes}, -value)
+        forces += _pressure(assembly, {kind: nodes}, -line.real(2, "a pressure"))
     return forces
 
 
-def _body_force(
-    keyword: Keyword, row: int, fields: list[str], assembly: Assembly, sets: NamedSets
-) -> Matrix:
+def _body_force(line: Line, assembly: Assembly, sets: NamedSets) -> Matrix:
     """Return nodal forces M a of an acceleration, consistent with the mass of every element."""
-    kind = fields[1].upper()
+    label, kind = line.text(0), line.text(1).upper()
     expected = _BODY_FORCES[kind]
-    check_count(keyword, row, fields, (len(expected.split(", ")),), expected)
-    values = np.array(numbers(keyword, row, fields[2:], "a number"))
+    line.check((len(expected.split(", ")),), expected)
+    values = np.array(line.behind(2).reals("a number"))
     length = float(np.linalg.norm(values[-3:]))
     if not length > 0:
-        keyword.refuse(f"the direction of {kind} is zero", row)
+        line.refuse(f"the direction of {kind} is zero")
     direction = values[-3:] / length
     chosen = assembly
-    if fields[0]:
-        ids = sets.members(keyword, fields[0], row)
+    if label:
+        ids = sets.members(line.keyword, label, line.row)
         solids = [block.taken(np.isin(block.ids, ids)) for block in assembly.mesh.blocks]
         shells = [block.taken(np.isin(block.ids, ids)) for block in assembly.shells]
         loaded = set(ids.tolist())

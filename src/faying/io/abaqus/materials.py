@@ -9,7 +9,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData
-from faying.io.abaqus.fields import check_count, numbers, optional_real, parameter, real
+from faying.io.abaqus.fields import lines, parameter
 from faying.io.abaqus.keyword import READ, Keyword, add
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import Amplitudes
@@ -75,20 +75,16 @@ def read_temperatures(data: DeckData, amplitudes: Amplitudes) -> Temperatures:
 
 
 def _lines(keyword: Keyword, data: DeckData) -> Iterator[tuple[Indices, float]]:
-    for row, fields in enumerate(keyword.rows()):
-        if len(fields) < 2:
-            keyword.refuse(
-                f"found {len(fields)} fields, expected node or node set and temperature", row
-            )
-        value = real(keyword, row, fields[1], "a temperature")
-        for column in range(2, len(fields)):
-            if optional_real(keyword, row, fields, column, 0.0, "a gradient") != 0.0:
-                keyword.refuse(
+    for line in lines(keyword):
+        if len(line) < 2:
+            line.refuse(f"found {len(line)} fields, expected node or node set and temperature")
+        for column in range(2, len(line)):
+            if line.real(column, "a gradient", 0.0) != 0.0:
+                line.refuse(
                     "gradients through a section are not supported; temperatures of solids are "
-                    "those of their nodes",
-                    row,
+                    "those of their nodes"
                 )
-        yield data.find(keyword, row, fields[0]), value
+        yield data.find(line), line.real(1, "a temperature")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -108,8 +104,8 @@ class Expansion:
 def read_expansion(keyword: Keyword) -> Expansion:
     """Read the coefficients of *EXPANSION."""
     keyword.check()
-    rows = keyword.rows()
-    wrong = next((row for row, fields in enumerate(rows) if len(fields) > 2), None)
+    rows = lines(keyword)
+    wrong = next((line.row for line in rows if len(line) > 2), None)
     if not rows or wrong is not None:
         keyword.refuse("expected a coefficient of expansion and a temperature on each line", wrong)
     coefficients, temperatures = _table(keyword, ("a coefficient of expansion", "a temperature")).T
@@ -120,9 +116,9 @@ def read_expansion(keyword: Keyword) -> Expansion:
 
 def constant_expansion(keyword: Keyword) -> float | None:
     """Return the coefficient of *EXPANSION; None if it depends on direction or temperature."""
-    rows = keyword.rows()
+    rows = lines(keyword)
     isotropic = keyword.choice("TYPE") in ("ISO", "ISOTROPIC")
-    return real(keyword, 0, rows[0][0], "a coefficient") if isotropic and len(rows) == 1 else None
+    return rows[0].real(0, "a coefficient") if isotropic and len(rows) == 1 else None
 
 
 def thermal_forces(
@@ -271,12 +267,9 @@ def _constants(keyword: Keyword, temperature: float | None, names: Sequence[str]
 
     Each line has the constants in order, followed by their temperature.
     """
-    rows = keyword.rows()
     expected = ", ".join(names)
-    if not rows:
+    if not lines(keyword, range(len(names) + 2), expected):
         keyword.refuse(f"expected {expected} on a data line")
-    for i, row in enumerate(rows):
-        check_count(keyword, i, row, range(len(names) + 2), expected)
     return _at(keyword, temperature, _table(keyword, (*names, "a temperature")))
 
 
@@ -284,14 +277,8 @@ def _table(keyword: Keyword, names: Sequence[str]) -> Matrix:
     """Return the numbers of all data lines; only the first of each line is required."""
     return np.array(
         [
-            [
-                real(keyword, i, row[0], names[0]),
-                *(
-                    optional_real(keyword, i, row, column, 0.0, names[column])
-                    for column in range(1, len(names))
-                ),
-            ]
-            for i, row in enumerate(keyword.rows())
+            [line.real(i, name, 0.0 if i else None) for i, name in enumerate(names)]
+            for line in lines(keyword)
         ]
     )
 
@@ -335,11 +322,7 @@ def read_law(keyword: Keyword, temperature: float | None) -> Matrix:
             "CONSTANTS and ANISOTROPIC are"
         )
     count = _COUNTS[kind]
-    values = [
-        value
-        for i, row in enumerate(keyword.rows())
-        for value in numbers(keyword, i, row, "an elastic constant")
-    ]
+    values = [value for line in lines(keyword) for value in line.reals("an elastic constant")]
     # A temperature may follow the last constant, and must in a table.
     if len(values) == count:
         values.append(0.0)

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.exceptions import refuse
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import integers, padded, reals, table
+from faying.io.abaqus.fields import integers, lines, reals, table
 from faying.io.abaqus.keyword import Keyword
 from faying.io.frames import BASIC, Frame
 from faying.model.axes import axes_along
@@ -109,10 +109,10 @@ SYSTEMS = {"R": "R", "C": "C", "S": "E"}
 
 def _system(keyword: Keyword) -> Frame:
     """Return the system of local coordinates; the basic one without data."""
-    rows = keyword.rows()
+    rows = lines(keyword)
     if not rows:
         return BASIC
-    values = [padded(keyword, i, row, 6, "a coordinate") for i, row in enumerate(rows[:2])]
+    values = [line.padded(6, "a coordinate") for line in rows[:2]]
     origin = values[0][:3]
     x = values[0][3:] - origin
     # Without a second line z is unchanged and y is normal to z and x.

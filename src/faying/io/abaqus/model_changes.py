@@ -9,6 +9,7 @@ from faying._typing import Indices
 from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData
+from faying.io.abaqus.fields import lines
 from faying.io.abaqus.keyword import Keyword
 
 
@@ -31,11 +32,11 @@ def without_removed(data: DeckData) -> DeckData:
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") == "ELEMENT"
     ):
-        for row, fields in enumerate(keyword.rows()):
-            for label in (text for text in fields if text):
-                ids = sets.members(keyword, label, row)
+        for line in lines(keyword):
+            for label in filter(None, line.texts):
+                ids = sets.members(keyword, label, line.row)
                 if not np.isin(ids, all_ids).all():
-                    keyword.refuse(f"there is no element {label}; correct the id", row)
+                    line.refuse(f"there is no element {label}; correct the id")
                 parts.append(ids)
         if np.isin(all_ids, np.concatenate([np.empty(0, dtype=np.int64), *parts])).all():
             keyword.refuse("it removes all elements; nothing remains")
@@ -54,14 +55,14 @@ def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") != "ELEMENT"
     ):
-        for row, fields in enumerate(keyword.rows()):
-            named = [pair for pair in pairs if pair.is_of(fields)]
+        for line in lines(keyword):
+            named = [pair for pair in pairs if pair.is_of(line.texts)]
             if not named:
-                keyword.refuse("no *CONTACT PAIR has these surfaces as slave and master", row)
+                line.refuse("no *CONTACT PAIR has these surfaces as slave and master")
             if keyword.has("REMOVE"):
                 remaining = [pair for pair in remaining if pair not in named]
                 deck.ignored.append(
-                    f"*MODEL CHANGE in step 1: the contact pair {', '.join(fields)} is removed "
+                    f"*MODEL CHANGE in step 1: the contact pair {', '.join(line.texts)} is removed "
                     "in all steps"
                 )
     gone = [pair for pair in pairs if pair not in remaining]

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Vector
 from faying.io import solid_cuts
 from faying.io.abaqus.deck_data import DeckData
-from faying.io.abaqus.fields import is_integer, numbers, only_line
+from faying.io.abaqus.fields import is_integer, only_line
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.line_elements import TYPES
 from faying.io.abaqus.loads import Forces
@@ -103,8 +103,8 @@ def read_sections(data: DeckData) -> list[Section]:
 def _direction(keyword: Keyword) -> tuple[float, ...] | None:
     if not keyword.data:
         return None
-    fields = only_line(keyword, (3,), "the direction of the section: three numbers")
-    return tuple(numbers(keyword, 0, fields, "a direction"))
+    line = only_line(keyword, (3,), "the direction of the section: three numbers")
+    return tuple(line.reals("a direction"))
 
 
 def _beam(keyword: Keyword, data: DeckData) -> tuple[int, Vector]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.io.abaqus.deck_data import DeckData
-from faying.io.abaqus.fields import only_line, positive, real
+from faying.io.abaqus.fields import only_line, parameter
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.mesh import SHELL_TYPES
 from faying.io.abaqus.sets import section_numbers
@@ -55,9 +55,8 @@ def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:
     keywords = deck.of("SHELL SECTION")
     first = len(deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")) + 1
     thicknesses = [
-        positive(keyword, 0, fields[0], "the thickness")
+        only_line(keyword, range(1, 9), "the thickness").positive(0, "the thickness")
         for keyword in keywords
-        for fields in [only_line(keyword, range(1, 9), "the thickness")]
     ]
     # The deck offsets nodes from the mid-surface, faying the mid-surface from nodes.
     offsets = np.array([-_offset(k) * t for k, t in zip(keywords, thicknesses, strict=True)])
@@ -90,8 +89,8 @@ def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:
 
 
 def _offset(keyword: Keyword) -> float:
-    text = keyword.choice("OFFSET", "0")
-    return _SIDES[text] if text in _SIDES else real(keyword, None, text, "OFFSET")
+    side = _SIDES.get(keyword.choice("OFFSET"))
+    return parameter(keyword, "OFFSET", 0.0) if side is None else side
 
 
 def _section(material: Material, thickness: float) -> ShellSection:

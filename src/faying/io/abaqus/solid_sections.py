@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from faying._typing import Indices, Matrix
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import ON_AXIS, DeckData, about_axis, rectangular
-from faying.io.abaqus.fields import integer, padded, real
+from faying.io.abaqus.fields import Line, lines
 from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock
 from faying.io.abaqus.sets import NamedSets, section_numbers
@@ -37,14 +37,14 @@ def distributed_axes(
             system = orientation.choice("SYSTEM")
             orientation.refuse(f"SYSTEM={system} is not supported; RECTANGULAR is")
         return frame.axes, []
-    default, *others = tables[-1].rows()
-    if len(rows) > 1 or not default or default[0]:
+    default, *others = lines(tables[-1])
+    if len(rows) > 1 or default.text(0):
         tables[-1].refuse(
             "expected a first line without an element, and no rotation after the distribution"
         )
-    return _spanned(tables[-1], 0, default[1:]).axes, [
-        (sets.members(tables[-1], row[0], i), _spanned(tables[-1], i, row[1:]).axes)
-        for i, row in enumerate(others, start=1)
+    return rectangular(default.behind(1)).axes, [
+        (sets.members(tables[-1], line.text(0), line.row), rectangular(line.behind(1)).axes)
+        for line in others
     ]
 
 
@@ -65,29 +65,25 @@ def _find(deck: Deck, keyword: Keyword) -> Keyword:
 
 def _frame(keyword: Keyword) -> Frame:
     keyword.check()
-    rows = keyword.rows()
+    rows = lines(keyword)
     if keyword.choice("SYSTEM") in ("C", "CYLINDRICAL"):
         if not rows or not 5 <= len(rows[0]) <= 6:
             keyword.refuse("expected a line with the coordinates of two points of the axis")
-        return about_axis(keyword, padded(keyword, 0, rows[0], 6, "a coordinate"), "C")
+        return about_axis(rows[0], "C")
     if not 1 <= len(rows) <= 2 or not 6 <= len(rows[0]) <= 9:
         keyword.refuse(
             "expected a line with the coordinates of points a and b, and one with a turn"
         )
-    frame = _spanned(keyword, 0, rows[0])
-    return frame if len(rows) == 1 else replace(frame, axes=_turned(keyword, rows[1], frame.axes))
+    frame = rectangular(rows[0])
+    return frame if len(rows) == 1 else replace(frame, axes=_turned(rows[1], frame.axes))
 
 
-def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Frame:
-    return rectangular(keyword, row, padded(keyword, row, fields, 9, "a coordinate"))
-
-
-def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:
+def _turned(line: Line, axes: Matrix) -> Matrix:
     """Return axes rotated about one of them."""
-    about = integer(keyword, 1, row[0], "an axis 1, 2 or 3") - 1
-    if len(row) != 2 or about not in (0, 1, 2):
-        keyword.refuse("expected an axis, 1, 2 or 3, and an angle in degrees", 1)
-    angle = np.radians(real(keyword, 1, row[1], "an angle"))
+    about = line.integer(0, "an axis 1, 2 or 3") - 1
+    if len(line) != 2 or about not in (0, 1, 2):
+        line.refuse("expected an axis, 1, 2 or 3, and an angle in degrees")
+    angle = np.radians(line.real(1, "an angle"))
     return np.asarray(Rotation.from_rotvec(angle * axes[about]).apply(axes))
 
 

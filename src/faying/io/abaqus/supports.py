@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying.io.abaqus.deck_data import DeckData, component_range
-from faying.io.abaqus.fields import check_count, optional_real
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.fields import Line, lines
 from faying.io.abaqus.loads import Amplitudes
 from faying.io.moved_supports import Place
 from faying.model.assembly import Support
@@ -23,8 +22,8 @@ TYPES = {
     "ENCASTRE": (0, 1, 2, 3, 4, 5),
 }
 
-Holds = dict[Place, tuple[float, Keyword, int]]
-"""Value, keyword and data line by node and component of the deck."""
+Holds = dict[Place, tuple[float, Line]]
+"""Value and data line by node and component of the deck."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -65,21 +64,20 @@ def read_supports(data: DeckData, apart: frozenset[int], amplitudes: Amplitudes)
         left = {dof: courses[dof][step - 1] for dof in holds}
         holds = _after(holds, left, step, data, apart)
         since = {dof: since.get(dof, step) for dof in holds}
-        for dof, (value, keyword, _) in holds.items():
+        for dof, (value, line) in holds.items():
             course = courses.setdefault(dof, [0.0] * (deck.n_step + 1))
-            acts = value and (keyword.step == step or step not in deck.perturbations)
-            course[step] = value * amplitudes.factor(keyword, step) if acts else 0.0
+            acts = value and (line.keyword.step == step or step not in deck.perturbations)
+            course[step] = value * amplitudes.factor(line.keyword, step) if acts else 0.0
     bolts = [node for node, c in holds if node in apart and c == 0]
     last = deck.n_step - (deck.n_step in deck.perturbations)
     holds = {dof: hold for dof, hold in holds.items() if dof[0] not in apart}
     moved = {}
     for dof in [dof for dof in holds if any(courses[dof])]:
-        _, keyword, row = holds.pop(dof)
+        _, line = holds.pop(dof)
         if data.local.axes(dof[0]) is not None:
-            keyword.refuse(
+            line.refuse(
                 f"node {data.nodes.ids[dof[0]]} is moved along axes of a *TRANSFORM; only basic "
-                "directions are supported for other displacements than zero",
-                row,
+                "directions are supported for other displacements than zero"
             )
         ((node, c, _),) = data.parts(*dof)
         moved[node, c] = tuple(courses[dof])
@@ -109,16 +107,14 @@ def _after(
     holds = dict(holds)
     for keyword in (item for item in data.deck.of("BOUNDARY") if item.step == step):
         if keyword.choice("OP") == "NEW":
-            holds = {dof: item for dof, item in holds.items() if item[1].step == step}
+            holds = {dof: item for dof, item in holds.items() if item[1].keyword.step == step}
         new = {
-            dof: (value, keyword, row)
-            for row, fields in enumerate(keyword.rows())
-            for dof, value in _line(keyword, row, fields, data, "temperature" in data.deck.ignore)
+            dof: (value, line)
+            for line in lines(keyword, range(2, 5), _EXPECTED)
+            for dof, value in _held(line, data, "temperature" in data.deck.ignore)
         }
         if keyword.has("FIXED"):
-            new = {
-                dof: (left.get(dof, np.nan), keyword, row) for dof, (_, keyword, row) in new.items()
-            }
+            new = {dof: (left.get(dof, np.nan), line) for dof, (_, line) in new.items()}
         holds |= new
         if keyword.has("FIXED") and any(node not in apart for node, _ in new):
             keyword.refuse(
@@ -128,22 +124,22 @@ def _after(
     return holds
 
 
-def _line(
-    keyword: Keyword, row: int, fields: list[str], data: DeckData, cold: bool
-) -> Iterator[tuple[Place, float]]:
+_EXPECTED = "node or node set, first and last degree of freedom, value"
+
+
+def _held(line: Line, data: DeckData, cold: bool) -> Iterator[tuple[Place, float]]:
     """Yield degrees of freedom and values of a line, without temperatures (11, 0) if ``cold``."""
-    expected = "node or node set, first and last degree of freedom, value"
-    check_count(keyword, row, fields, range(2, 5), expected)
-    if cold and fields[1] in ("0", "11"):
+    kind = line.text(1)
+    if cold and kind in ("0", "11"):
         return
-    nodes = data.find(keyword, row, fields[0])
-    if fields[1].upper() in TYPES:
-        if len(fields) > 2:
-            keyword.refuse(f"found fields after {fields[1]}; expected none", row)
-        components, value = TYPES[fields[1].upper()], 0.0
+    nodes = data.find(line)
+    if kind.upper() in TYPES:
+        if len(line) > 2:
+            line.refuse(f"found fields after {kind}; expected none")
+        components, value = TYPES[kind.upper()], 0.0
     else:
-        components = tuple(component_range(keyword, row, fields[1:3]))
-        value = optional_real(keyword, row, fields, 3, 0.0, "a displacement")
+        components = tuple(component_range(line, 1))
+        value = line.real(3, "a displacement", 0.0)
     for c in components:
         for node in nodes.tolist():
             yield (node, c), value

@@ -1,13 +1,13 @@
 """``*SURFACE``: facets of solids and shells, and surfaces of nodes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from faying._typing import Indices
 from faying.io.abaqus.deck_data import DeckData
-from faying.io.abaqus.fields import check_count, is_integer, table
+from faying.io.abaqus.fields import Line, is_integer, table
 from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.shells import Shells
@@ -54,21 +54,23 @@ def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | Non
     return named(keyword, name, surfaces, "surface", row)
 
 
-def slave_and_master(
-    surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]
-) -> tuple[DeckSurface, DeckSurface]:
+def _named_surfaces(surfaces: Surfaces, line: Line) -> list[DeckSurface]:
+    return [find_surface(surfaces, line.keyword, text, line.row) for text in line.texts if text]
+
+
+def slave_and_master(surfaces: Surfaces, line: Line) -> tuple[DeckSurface, DeckSurface]:
     """Return the two surfaces of a data line of *CONTACT PAIR or *TIE."""
-    filled = [text for text in fields if text]
-    check_count(keyword, row, filled, (2,), "the slave and the master surface")
-    slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
+    filled = replace(line, texts=[text for text in line.texts if text])
+    filled.check((2,), "the slave and the master surface")
+    slave, master = _named_surfaces(surfaces, filled)
     if not master.facets:
-        keyword.refuse(f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT", row)
+        line.refuse(f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT")
     return slave, master
 
 
-def removed_sides(surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]) -> str:
+def removed_sides(surfaces: Surfaces, line: Line) -> str:
     """Return the names of the surfaces of a data line whose elements were all removed."""
-    sides = [find_surface(surfaces, keyword, text, row) for text in fields if text]
+    sides = _named_surfaces(surfaces, line)
     return " and ".join(side.name for side in sides if not len(side.nodes))
 
 

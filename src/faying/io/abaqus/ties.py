@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.io.abaqus.contact import Pair, with_mixed_sides
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import parameter
+from faying.io.abaqus.fields import lines, parameter
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
 from faying.io.tied_surfaces import following, moving_together, with_elastic_layer
@@ -37,7 +37,7 @@ def read_ties(deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair]) -> list[Tie
     """Return all *TIE, after the tied contact pairs."""
     ties = [
         Tie(
-            keyword=pair.keyword,
+            keyword=pair.line.keyword,
             name=pair.interaction.spec.name,
             slave=pair.slave,
             master=pair.master,
@@ -50,8 +50,8 @@ def read_ties(deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair]) -> list[Tie
         tolerance = None
         if keyword.has("POSITION TOLERANCE"):
             tolerance = parameter(keyword, "POSITION TOLERANCE")
-        for row, fields in enumerate(keyword.rows()):
-            slave, master = slave_and_master(surfaces, keyword, row, fields)
+        for line in lines(keyword):
+            slave, master = slave_and_master(surfaces, line)
             name = keyword.value("NAME", f"{slave.name} {master.name}")
             ties.append(
                 Tie(keyword=keyword, name=name, slave=slave, master=master, tolerance=tolerance)
