@@ -4,8 +4,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from faying.exceptions import ModelError
 from faying.joint.build import build_model
 from faying.joint.model import Model
@@ -127,31 +125,17 @@ def _of_deck(
     damping: Rayleigh | None,
 ) -> Model:
     """Build what a deck describes; what is given replaces what the deck says."""
-    from faying.interface.gap_field import with_gap_offset, with_gap_rule
-
     sides = described.interfaces or AUTO if interfaces is None else interfaces
     if sides is AUTO and described.has_joined_faces:
         message = "the deck has no contact pairs, and faces found automatically would be those "
         raise ModelError(message + "of ties and of cuts through bolts too; name the sides")
     free = described.unlocked if bolts is None else ()
-    model = build_model(
+    return build_model(
         with_unlocked_bolts(described.assembly, [b for b in described.bolts if b.name in free]),
         interfaces=sides,
         bolts=described.bolts if bolts is None else bolts,
         boundaries=[*described.boundaries, *boundaries],
         damping=damping,
-    )
-    mesh = model.assembly.mesh
-    model = model.with_interfaces(
-        {
-            name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
-            for name, rule in described.gap_rules.items()
-            if name in model.interfaces
-        }
-    )
-    gaps = {n: gap for n, gap in described.initial_gaps.items() if n in model.interfaces}
-    return model.with_interfaces(
-        {n: with_gap_offset(model.interfaces[n], np.asarray(gap)) for n, gap in gaps.items()}
     )
 
 

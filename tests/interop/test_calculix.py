@@ -20,6 +20,7 @@ from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices
 from faying.model.mesh import Mesh
+from faying.model.specs import GapRule
 from faying.simulation.start import last_of
 from faying.simulation.tightening import tightened_joint
 from linear_solution import circular_frequencies
@@ -303,11 +304,13 @@ def test_friction_in_one_increment(binary, data, tmp_path):
 def test_initial_interference(binary, data, tmp_path):
     """A negative initial gap, *CLEARANCE in the deck; the bolt has to close less."""
     path = tmp_path / "joint.inp"
-    write_deck(replace(cantilever("standard", "LC1"), initial_gaps={"joint": -2e-3}), path)
+    joint = cantilever("standard", "LC1")
+    (spec,) = joint.interfaces
+    closer = replace(spec, gap=GapRule(offset=-2e-3))
+    write_deck(replace(joint, interfaces=(closer,)), path)
     theirs = run_calculix(binary, path)
     model, preloads, _ = from_deck(path, 1)
-    rules = read_joint(path).gap_rules
-    assert {name: rule.value for name, rule in rules.items()} == {"joint": -2e-3}
+    assert [spec.gap for spec in read_joint(path).interfaces] == [GapRule(value=-2e-3)]
     interface = ccx_rule(model.interfaces["joint"], data).with_initial_gap(-2e-3)
     tightened = fy.preload(model.with_interfaces({"joint": interface}), preloads)
     check(fy.solve_static(tightened), theirs, 1, PRINTED)

@@ -9,6 +9,7 @@ from calculix_runs import displacements, needs_calculix, solved
 import faying as fy
 from faying.exceptions import FormatError
 from faying.io.abaqus import read_deck, read_joint
+from faying.model.specs import GapRule
 
 LENGTH, WIDTH, THICKNESS = 10.0, 2.0, 0.25
 TYPES = {"S3": 3, "S4": 4, "S4R": 4, "S6": 6, "S8": 8, "S8R": 8}
@@ -158,7 +159,7 @@ def test_shells_in_contact_touch_half_a_thickness_off_their_nodes(side, tmp_path
     text, plate = plate_on_a_block(side)
     theirs = displacements(tmp_path, text)[-1]
     described = read_joint(tmp_path / "job.inp")
-    assert described.initial_gaps == {"SI": -0.2}
+    assert [spec.gap for spec in described.interfaces] == [GapRule(offset=-0.2)]
     assert any("without the lever of the thickness" in n for n in described.assembly.ignored)
     model = fy.read_abaqus(tmp_path / "job.inp").with_deck_loads("step 1")
     solution = fy.solve_static(model, fy.Load({"step 1": 1.0}))

@@ -179,7 +179,7 @@ def with_gap_rule(
     else:
         shift = interface.point_shape @ (moved[:, None] * interface.pair_normals)
         change = np.einsum("kd,kd->k", interface.normals, shift)
-    return replace(interface, initial_gap=interface.initial_gap - change)
+    return replace(interface, initial_gap=interface.initial_gap - change + rule.offset)
 
 
 def pair_gaps(interface: Interface, nodes: Matrix) -> Vector:

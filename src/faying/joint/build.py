@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import naming, refuse_model
+from faying.interface.gap_field import with_gap_rule
 from faying.interface.gap_pairing import declared_area
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
@@ -198,7 +199,11 @@ def _interfaces(
         for name, interface in _find_interfaces(assembly, dofs, spec):
             if name in joints:
                 refuse_model(f"two interfaces are called '{name}'; give each its own name")
-            joints[name] = interface
+            joints[name] = (
+                interface
+                if spec.gap is None
+                else with_gap_rule(interface, assembly.mesh.nodes, assembly.mesh.node_ids, spec.gap)
+            )
     check_not_doubled(joints)
     return joints
 

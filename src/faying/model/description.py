@@ -6,7 +6,7 @@ from pathlib import Path
 
 from faying.exceptions import refuse
 from faying.model.assembly import Assembly
-from faying.model.specs import BoltSpec, BoundarySpec, GapRule, InterfaceSpec
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -23,10 +23,6 @@ class JointDescription:
         Bolt name to the initial force, for bolts with a given length in the source.
     unlocked
         Bolts of ``preloads`` that the source never locks: their force is constant under any load.
-    initial_gaps : [length]
-        Interface name to an offset added to the gap of the geometry.
-    gap_rules
-        Interface name to the rule of the source for the gap of the geometry.
     selected_load
         Load of the assembly that the source applies, in the selected subcase or step.
     has_joined_faces
@@ -40,8 +36,6 @@ class JointDescription:
     preloads: Mapping[str, float] = field(default_factory=dict)
     initial_forces: Mapping[str, float] = field(default_factory=dict)
     unlocked: frozenset[str] = frozenset()
-    initial_gaps: Mapping[str, float] = field(default_factory=dict)
-    gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     selected_load: str | None = None
     has_joined_faces: bool = False
 

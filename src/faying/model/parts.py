@@ -301,7 +301,6 @@ def remaining_joint(
     notes += [f"bolt '{bolt.name}'" for bolt in described.bolts if bolt not in bolts]
     boundaries = [boundary for boundary in described.boundaries if _has_set(boundary, assembly)]
     notes += [f"boundary '{b.name}'" for b in described.boundaries if b not in boundaries]
-    named = {spec.name for spec in interfaces}
     tight = {bolt.name for bolt in bolts}
     selected = described.selected_load
     return replace(
@@ -313,8 +312,6 @@ def remaining_joint(
         preloads={n: force for n, force in described.preloads.items() if n in tight},
         initial_forces={n: f for n, f in described.initial_forces.items() if n in tight},
         unlocked=described.unlocked & tight,
-        initial_gaps={n: gap for n, gap in described.initial_gaps.items() if n in named},
-        gap_rules={n: rule for n, rule in described.gap_rules.items() if n in named},
         selected_load=selected if selected in assembly.loads else None,
     )
 

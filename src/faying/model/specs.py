@@ -45,6 +45,8 @@ class InterfaceSpec:
     search_distance
         Largest gap [length] across which facing facets are paired, ``inf`` for any; None pairs
         touching facets only. Contact surfaces declared in a deck have one.
+    gap
+        Initial gap of a deck; None is the gap of the mesh.
 
     Examples
     --------
@@ -68,6 +70,7 @@ class InterfaceSpec:
     tangential_penalty: float | Literal["auto"] = "auto"
     tolerance: float | None = None
     search_distance: float | None = None
+    gap: "GapRule | None" = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,8 +181,11 @@ class GapRule:
         side: 0 for those that penetrate, ``inf`` for all.
     closed_nodes
         Ids of minus nodes that start in contact at any gap.
+    offset : [length]
+        Added to the gap of the mesh.
     """
 
     value: float | None = None
     closed_up_to: float = -np.inf
     closed_nodes: tuple[int, ...] = ()
+    offset: float = 0.0

@@ -211,12 +211,12 @@ def test_gap_rules_are_written_or_refused(tmp_path):
     assembly = faced(blocks(((4, 3), "hex8"), ((4, 3), "hex8"), move=lifted(0.1)))
     joint = JointDescription(assembly=assembly, interfaces=(ANY,))
     for rule in (None, GapRule(value=0.03), GapRule(value=0.0)):
-        rules = {} if rule is None else {"joint": rule}
-        write_deck(replace(joint, gap_rules=rules), tmp_path / "a.inp")
+        specs = (replace(ANY, gap=rule),)
+        write_deck(replace(joint, interfaces=specs), tmp_path / "a.inp")
         (interface,) = fy.read_abaqus(tmp_path / "a.inp").interfaces.values()
         expected = 0.1 if rule is None else rule.value
         np.testing.assert_allclose(interface.initial_gap, expected, atol=1e-12)
-    closed = replace(joint, gap_rules={"joint": GapRule(closed_up_to=1.0)})
+    closed = replace(joint, interfaces=(replace(ANY, gap=GapRule(closed_up_to=1.0)),))
     with pytest.raises(FormatError, match=r"closes gaps .* .* not written"):
         write_deck(closed, tmp_path / "b.inp")
 

@@ -13,6 +13,7 @@ from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS, block_element
 from faying.model.elements.stiffness import stiffness_blocks
 from faying.model.matrices import assemble_matrices
+from faying.model.specs import GapRule
 from faying.study.inputs.load_model import load_model
 from faying.study.keys.schema import read_study
 from lap_joints import tiny_lap
@@ -311,8 +312,8 @@ def test_hard_contact_and_contact_without_behaviour(read):
 
 def test_clearance_is_the_gap_whatever_the_mesh_has(read):
     text = before_steps("*CLEARANCE, MASTER=MASTER, SLAVE=SLAVE, VALUE=0.02\n")
-    rules = read(text).gap_rules
-    assert {name: rule.value for name, rule in rules.items()} == {"Joint": 0.02}
+    (spec,) = read(text).interfaces
+    assert (spec.name, spec.gap) == ("Joint", GapRule(value=0.02))
 
 
 def test_meshes_that_do_not_match_are_said_to(read):

@@ -9,6 +9,7 @@ from clamped_plates import PAIRS, abaqus_deck
 from faying.exceptions import FormatError
 from faying.interface.facing import facing_bodies
 from faying.io.abaqus import general_contact, read_joint
+from faying.model.specs import GapRule
 
 EVERYTHING = ("*Contact", "*Contact Inclusions, ALL EXTERIOR")
 ASSIGNED = ("*Contact Property Assignment", " ,  , IntProp-1")
@@ -78,7 +79,7 @@ def test_listed_surfaces_are_pairs(tmp_path):
     assert areas(described) == areas(read(tmp_path, *PAIRS))
     assert [one.penalty for one in described.interfaces] == ["hard", 1e4, "hard"]
     assert [one.minus for one in described.interfaces] == ["Under", "Seat", "Bottom"]
-    assert {rule.closed_up_to for rule in described.gap_rules.values()} == {0.0}
+    assert {spec.gap for spec in described.interfaces} == {GapRule(closed_up_to=0.0)}
     notes = described.assembly.ignored
     assert any("general contact of listed surfaces" in note for note in notes)
     assert any(note.startswith("1 *CONTACT FORMULATION: roles") for note in notes)

@@ -56,7 +56,7 @@ def test_simcenter_pair_of_faces(read: Read) -> None:
     assert joint.assembly.face_sets["bsurfs:6"].nodes.tolist() == [[8, 11, 10, 9]]
     notes = joint.assembly.ignored
     assert "BCTPARM PENN, PENT, CTOL, MAXF (the study's penalty and tolerance count)" in notes
-    assert joint.initial_gaps == joint.gap_rules == {}
+    assert [spec.gap for spec in joint.interfaces] == [None]
     # MAXD is the search distance; without it any gap is searched.
     assert joint.interfaces[0].search_distance == 2.0
     assert read(FACES, "BCTSET,4,5,6").interfaces[0].search_distance == np.inf

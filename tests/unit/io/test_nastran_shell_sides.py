@@ -5,6 +5,7 @@ import pytest
 import faying as fy
 from faying.exceptions import FormatError
 from faying.io.nastran import read_joint
+from faying.model.specs import GapRule
 
 DECK = """CEND
 BCSET = 4
@@ -50,7 +51,8 @@ UP, DOWN = "CQUAD4,2,2,11,12,13,14", "CQUAD4,2,2,14,13,12,11"
 def test_shells_touch_on_the_side_that_faces_the_solid(tmp_path, shell, sign):
     path = tmp_path / "plate.bdf"
     path.write_text(DECK.format(shell=shell))
-    assert read_joint(path).initial_gaps == {"contact-6-5": -1.0}
+    (spec,) = read_joint(path).interfaces
+    assert (spec.name, spec.gap) == ("contact-6-5", GapRule(offset=-1.0))
     model = fy.read_nastran(path).with_deck_loads("7")
     pressed = fy.solve_static(fy.preload(model, {}), fy.Load({"7": sign}))
     # 7.2 over 6, less half of the thickness of 2; what closes it pulls on springs of 400.

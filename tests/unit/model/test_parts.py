@@ -118,7 +118,6 @@ def test_contact_and_bolts_go_with_their_bodies(read):
     assert joint.interfaces == ()
     assert joint.bolts == ()
     assert joint.preloads == {}
-    assert joint.gap_rules == {}
     said = note(joint)
     (interface,), (bolt,) = read(CUT).interfaces, read(CUT).bolts
     for text in ("2 of 4 solids", f"interface '{interface.name}'", f"bolt '{bolt.name}'"):

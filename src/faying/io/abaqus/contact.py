@@ -134,16 +134,18 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
     return mesh
 
 
-def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[InterfaceSpec, ...]:
+def specs(assembly: Assembly, pairs: list[Pair], deck: Deck) -> tuple[InterfaceSpec, ...]:
     """Return the pairs as interfaces, marked where their meshes do not match."""
-    interfaces = []
-    for name, pair in zip(interface_names(pairs), pairs, strict=True):
+    interfaces, ignored = [], deck.ignored
+    clearances = dict(_clearance(keyword, pairs) for keyword in deck.of("CLEARANCE"))
+    for number, (name, pair) in enumerate(zip(interface_names(pairs), pairs, strict=True)):
         spec = replace(
             pair.interaction.spec,
             name=name,
             minus=pair.slave.name,
             plus=pair.master.name,
             search_distance=np.inf,
+            gap=clearances[number] if number in clearances else _gap_rule(pair),
             quadrature="gauss" if pair.lone else None,
             order=1 if pair.lone else None,
         )
@@ -169,45 +171,27 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
     return tuple(interfaces)
 
 
-def gap_rules(
-    deck: Deck, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
-) -> tuple[dict[str, float], dict[str, GapRule]]:
-    """Read *CLEARANCE and ADJUST: initial gaps of interfaces by name.
-
-    Offsets of shells are added to the gap of the mesh; rules replace it.
-    """
-    rules: dict[str, GapRule] = {}
-    offsets: dict[str, float] = {}
-    for spec, pair in zip(interfaces, pairs, strict=True):
-        height = pair.slave.height + pair.master.height
-        if pair.adjusted is not None:
-            rules[spec.name] = pair.adjusted
-        if height != 0.0:
-            offsets[spec.name] = -height
-        if np.isnan(height) or (height and pair.adjusted is not None):
-            problem = "ADJUST" if pair.adjusted is not None else "thicknesses that differ"
-            pair.line.refuse(
-                f"{problem} is not supported with surfaces of shells in contact; give *CLEARANCE, "
-                "or each thickness a surface and a contact pair"
-            )
-    for keyword in deck.of("CLEARANCE"):
-        name, value = _clearance(keyword, pairs, interfaces)
-        offsets.pop(name, None)
-        rules[name] = GapRule(value=value)
-    return offsets, rules
+def _gap_rule(pair: Pair) -> GapRule | None:
+    """Return the rule of ADJUST, or of shells, half of whose thickness is added to the gap."""
+    height = pair.slave.height + pair.master.height
+    if np.isnan(height) or (height and pair.adjusted is not None):
+        problem = "ADJUST" if pair.adjusted is not None else "thicknesses that differ"
+        pair.line.refuse(
+            f"{problem} is not supported with surfaces of shells in contact; give *CLEARANCE, "
+            "or each thickness a surface and a contact pair"
+        )
+    return GapRule(offset=-height) if height else pair.adjusted
 
 
-def _clearance(
-    keyword: Keyword, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
-) -> tuple[str, float]:
-    """Return the interface of a *CLEARANCE, and its initial gap."""
+def _clearance(keyword: Keyword, pairs: list[Pair]) -> tuple[int, GapRule]:
+    """Return the number of the pair of a *CLEARANCE, and its initial gap."""
     if keyword.data:
         keyword.refuse("expected one VALUE; give other gaps as initial_gap in the study")
     value = parameter(keyword, "VALUE")
     surfaces = [keyword.required(name) for name in ("SLAVE", "MASTER")]
-    for pair, spec in zip(pairs, interfaces, strict=True):
+    for number, pair in enumerate(pairs):
         if pair.is_of(surfaces):
-            return spec.name, value
+            return number, GapRule(value=value)
     message = "no *CONTACT PAIR has these surfaces as slave and master"
     raise keyword.error(message)
 

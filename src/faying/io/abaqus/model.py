@@ -175,8 +175,7 @@ def description(deck: Deck) -> JointDescription:
     preloads = pretension.preloads(sections, general, holds, data)
     unlocked = pretension.unlocked(sections, holds, preloads, loads, deck.n_step, ignored)
     assembly, points = with_lone_nodes(assembly, pairs, ignored)
-    specs = contact.specs(assembly, points, ignored)
-    offsets, rules = contact.gap_rules(deck, points, specs)
+    specs = contact.specs(assembly, points, deck)
     sides = [(item.slave.nodes, item.master.nodes) for item in pairs]
     sides += [(tie.slave.nodes, tie.master.nodes) for tie in ties]
     joined = joined_bodies(assembly, cuts, sides)
@@ -188,8 +187,6 @@ def description(deck: Deck) -> JointDescription:
         preloads=preloads,
         initial_forces=pretension.initial_forces(sections, bolts, holds.pretension, assembly),
         unlocked=unlocked,
-        initial_gaps=offsets,
-        gap_rules=rules,
         selected_load=step_name(deck.n_step) if step_name(deck.n_step) in loads else None,
         has_joined_faces=bool(cuts or ties),
     )

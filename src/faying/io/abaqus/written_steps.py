@@ -6,7 +6,7 @@ decouple because the moment of an end force vanishes at the middle for equal end
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from faying.model.deck_bolt import CUT_STIFFNESS
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
 from faying.model.elements.beam import beam_frames, beam_properties, local_stiffness
-from faying.model.specs import InterfaceSpec
+from faying.model.specs import GapRule, InterfaceSpec
 from faying.model.surface import triangular
 
 # Positions along the beam of its nodes: both sides of the cut, and the far side of the spring.
@@ -151,22 +151,21 @@ def contact_lines(description: JointDescription) -> Iterator[str]:
             yield from _behaviour(spec, description.assembly, faces)
             yield f"*CONTACT PAIR,INTERACTION={_label(name)},TYPE=SURFACE TO SURFACE"
             yield f"MINUS{number},PLUS{number}"
-            gap = _clearance(description, name)
+            gap = _clearance(spec)
             if gap is not None:
                 yield f"*CLEARANCE,SLAVE=MINUS{number},MASTER=PLUS{number},VALUE={real_text(gap)}"
 
 
-def _clearance(description: JointDescription, name: str) -> float | None:
+def _clearance(spec: InterfaceSpec) -> float | None:
     """Return the initial gap that replaces the gap of the mesh, if any."""
-    rule = description.gap_rules.get(name)
-    if rule is None:
-        return description.initial_gaps.get(name) or None
-    if rule.value is None:
+    if spec.gap is None or spec.gap.value is not None:
+        return None if spec.gap is None else spec.gap.value
+    if replace(spec.gap, offset=0.0) != GapRule():
         refuse(
-            f"interface '{name}' closes gaps of its mesh at the start (ADJUST, INIPENE), which is "
-            "not written; move its nodes together"
+            f"interface '{spec.name}' closes gaps of its mesh at the start (ADJUST, INIPENE), "
+            "which is not written; move its nodes together"
         )
-    return rule.value
+    return spec.gap.offset or None
 
 
 def _label(name: str) -> str:

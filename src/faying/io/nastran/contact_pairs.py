@@ -33,6 +33,8 @@ class Pair:
         File and line of the card that defines the pair.
     parameters
         Parameters of its contact set, table or pair.
+    offset : [length]
+        Added to the gap of the mesh.
     """
 
     name: str
@@ -40,6 +42,7 @@ class Pair:
     plus: Region
     where: str
     parameters: Parameters
+    offset: float = 0.0
 
     @property
     def friction(self) -> float:
@@ -93,6 +96,7 @@ def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> Interfa
         plus=pair.plus.name,
         friction=pair.friction,
         search_distance=distance,
+        gap=_gap_rule(pair, assembly.mesh),
     )
     if pair.friction > 0:
         note_friction(ignored)
@@ -102,13 +106,15 @@ def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> Interfa
     return spec
 
 
-def gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
-    """Return the rule that closes gaps of a pair before the analysis; None without one."""
+def _gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
+    """Return the rule that shifts gaps of a pair, or closes them before the analysis, if any."""
     parameters = pair.parameters
     closed = [] if parameters.closed_up_to is None else [parameters.closed_up_to]
     if parameters.within_error:
         closed.append(parameters.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
-    return GapRule(closed_up_to=float(max(closed))) if closed else None
+    if not closed and not pair.offset:
+        return None
+    return GapRule(closed_up_to=float(max(closed, default=-np.inf)), offset=pair.offset)
 
 
 def glue_distance(pair: Pair, mesh: Mesh) -> float:
@@ -142,12 +148,9 @@ def with_shell_sides(
     assembly: Assembly,
     thicknesses: Mapping[int, float],
     ignored: dict[str, None],
-) -> tuple[list[Pair], dict[str, float]]:
-    """Replace regions of shells by faces, half the property's thickness off their nodes.
-
-    Returns the pairs, and by name the offset to add to the gap of the mesh [length].
-    """
-    paired, gaps = [], dict[str, float]()
+) -> list[Pair]:
+    """Replace regions of shells by faces, half the property's thickness off their nodes."""
+    paired = []
     for pair in pairs:
         thin = [side for side in (pair.minus, pair.plus) if side.shells is not None]
         if not thin:
@@ -160,15 +163,14 @@ def with_shell_sides(
                 "not supported: model one of the two by solids"
             )
         sides, height = _sides(region, _faces(opposite, assembly), assembly, thicknesses)
-        gaps[pair.name] = -height
         ignored[
             f"{pair.name}: shells touch on the sides that face the solids, {height:g} off their "
             "nodes; tangential forces act without the lever arm of half the thickness"
         ] = None
         named = replace(region, name=f"{region.name} of {pair.name}", facets=sides)
         minus, plus = (named if side is region else side for side in (pair.minus, pair.plus))
-        paired.append(replace(pair, minus=minus, plus=plus))
-    return paired, gaps
+        paired.append(replace(pair, minus=minus, plus=plus, offset=-height))
+    return paired
 
 
 def _faces(region: Region, assembly: Assembly) -> tuple[Matrix, Matrix]:

@@ -14,7 +14,6 @@ from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
 from faying.io.nastran.contact_pairs import (
     Pair,
     check_distinct,
-    gap_rule,
     glue_distance,
     spec_of,
     with_shell_sides,
@@ -84,7 +83,7 @@ def _described(deck: Deck) -> JointDescription:
         *read_msc_pairs(deck, regions, notes),
     ]
     check_distinct(pairs)
-    pairs, gaps = with_shell_sides(pairs, deck.assembly, deck.thicknesses, notes)
+    pairs = with_shell_sides(pairs, deck.assembly, deck.thicknesses, notes)
     ids = deck.assembly.mesh.element_ids
     everything = friction_of_all_bodies(deck, regions, ids, notes)
     if everything is not None and cuts:
@@ -109,7 +108,6 @@ def _described(deck: Deck) -> JointDescription:
     if "friction" in deck.ignore and any(spec.friction for spec in interfaces):
         interfaces = [replace(spec, friction=0.0) for spec in interfaces]
         notes[f"coefficients of friction: {IGNORABLE['friction']} (ignore = friction)"] = None
-    rules = {pair.name: gap_rule(pair, assembly.mesh) for pair in pairs}
     ignored = (*deck.ignored, *_grouped(notes))
     # Loads that case control selects, if they could be read.
     chosen = str(deck.control.set_of("LOAD"))
@@ -125,8 +123,6 @@ def _described(deck: Deck) -> JointDescription:
             for spec in bolts
             if spec.name in cut.shortened
         },
-        initial_gaps=gaps,
-        gap_rules={name: rule for name, rule in rules.items() if rule is not None},
         selected_load=chosen if chosen in deck.assembly.loads else next(others, None),
         has_joined_faces=has_joined_faces,
     )

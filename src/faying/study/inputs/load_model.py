@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from faying.exceptions import naming, refuse_study
-from faying.interface.gap_field import read_gap_field, with_gap_offset, with_gap_rule
+from faying.interface.gap_field import read_gap_field, with_gap_offset
 from faying.interface.interface import Interface
 from faying.joint.build import build_model
 from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
@@ -106,9 +106,16 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
     check_distinct_bolts(study, bolts)
     entries = [stated(boundary, BoundarySpec) for boundary in study.boundaries]
     boundaries = _merged(study, "boundary", described.boundaries, entries)
-    # Gaps are added later, at the contact points.
+    # Gaps of the study are added later, at the contact points, in place of those of the source.
+    parted = {i.name for i in study.interfaces if i.initial_gap is not None}
+    defaults = tuple(
+        replace(spec, gap=replace(spec.gap, value=None, offset=0.0))
+        if spec.gap is not None and spec.name in parted
+        else spec
+        for spec in described.interfaces
+    )
     entries = [stated(interface, InterfaceSpec) for interface in study.interfaces]
-    interfaces = _merged(study, "interface", described.interfaces, entries)
+    interfaces = _merged(study, "interface", defaults, entries)
     names = [spec.name for spec in boundaries]
     mistakes = [*boundary_problems(study, names), *deck_load_problems(study, assembly)]
     shared = temperature_name_problems(study, assembly)
@@ -130,7 +137,7 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
 
 def build_loaded(loaded: LoadedModel) -> Model:
     """Build the model of a loaded study, with initial gaps and loads of the deck."""
-    study, source = loaded.study, loaded.source
+    study = loaded.study
     model = build_model(
         loaded.assembly,
         interfaces=loaded.interfaces,
@@ -144,17 +151,7 @@ def build_loaded(loaded: LoadedModel) -> Model:
     if study.model.weak_springs is not None:
         model = with_weak_springs(model, study.model.weak_springs)
     gaps = {i.name: i.initial_gap for i in study.interfaces if i.initial_gap is not None}
-    mesh = model.assembly.mesh
-    # A gap of the study replaces the value of a rule of the source.
-    ruled = {
-        name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
-        for name, rule in source.gap_rules.items()
-        if rule.value is None or name not in gaps
-    }
-    model = model.with_interfaces(ruled)
-    parted = {
-        name: _with_gap(model, name, gap) for name, gap in {**source.initial_gaps, **gaps}.items()
-    }
+    parted = {name: _with_gap(model, name, gap) for name, gap in gaps.items()}
     scans = {i.name: i.topography for i in study.interfaces if i.topography}
     crowns = {i.name: i.crown for i in study.interfaces if i.crown}
     model = with_crowns(with_topographies(model.with_interfaces(parted), scans), crowns)
