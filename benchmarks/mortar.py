@@ -14,7 +14,7 @@ import scipy.sparse as sp
 
 import faying as fy
 from faying.interface.mortar import build_mortar_interface, find_couplings
-from faying.model.assembly import Assembly, FaceSet
+from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.mesh import Mesh
 
@@ -39,10 +39,7 @@ def measure(n: int, angle: float, distort: float) -> None:
     above, other = face((round(1.1 * n) + 1, round(0.9 * n) + 1), angle, distort, 2)
     nodes = np.vstack([below, above])
     mesh = Mesh(nodes=nodes, node_ids=np.arange(1, len(nodes) + 1))
-    sets = {
-        "below": FaceSet(kind="quad4", nodes=own),
-        "above": FaceSet(kind="quad4", nodes=len(below) + other[:, ::-1]),
-    }
+    sets = {"below": own, "above": len(below) + other[:, ::-1]}
     assembly = Assembly(mesh=mesh, face_sets=sets)
     dofs = DofMap(
         transformation=sp.eye_array(6 * len(nodes), format="csr"), free=np.arange(6 * len(nodes))

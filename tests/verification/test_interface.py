@@ -18,7 +18,7 @@ from faying.interface.zero_thickness import build_interface
 from faying.joint.build import build_model
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
-from faying.model.assembly import Assembly, FaceSet, Material, Support
+from faying.model.assembly import Assembly, Material, Support
 from faying.model.dofs import DofMap
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
@@ -290,10 +290,7 @@ def test_automatic_penalty_needs_elements_and_materials():
         automatic_penalty(replace(assembly, materials={}), faces)
     (entry,) = faces
     mesh = Mesh(nodes=assembly.mesh.nodes, node_ids=assembly.mesh.node_ids)
-    sets = {
-        "a": FaceSet(kind="quad4", nodes=entry.minus),
-        "b": FaceSet(kind="quad4", nodes=entry.plus[:, ::-1]),
-    }
+    sets = {"a": entry.minus, "b": entry.plus[:, ::-1]}
     matrices_only = Assembly(mesh=mesh, face_sets=sets)
     spec = InterfaceSpec(name="joint", minus="a", plus="b")
     (found,) = pair_facets(matrices_only, spec)

@@ -17,7 +17,6 @@ from faying.interface.zero_thickness import build_interface
 from faying.joint.build import build_model
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
-from faying.model.assembly import FaceSet
 from faying.model.specs import InterfaceSpec
 from faying.simulation.newton import solve_static_newton
 from mortar_blocks import (
@@ -301,7 +300,7 @@ class TestGeometry:
         (coupling,) = find_couplings(flat, SPEC).values()
         corners = coupling.segments.plus.nodes[:, :4]
         faces = np.vstack([corners, corners])
-        double = replace(flat, face_sets={"both": FaceSet(kind="quad4", nodes=faces)})
+        double = replace(flat, face_sets={"both": faces})
         with pytest.raises(ModelError, match="covered more than once"):
             mortar(double, plus="both")
 

@@ -73,7 +73,7 @@ def _facets_by_number(assembly: Assembly, numbers: Indices) -> Facets:
 
 def _face_set(assembly: Assembly, name: str) -> Facets:
     """Return the facets of a face set with the elements they belong to."""
-    nodes = padded(assembly.face_sets[name].nodes)
+    nodes = padded(assembly.face_sets[name])
     owner = assembly.mesh.exterior.positions(nodes)
     owned = owner >= 0
     source = assembly.mesh.exterior.taken(owner[owned])

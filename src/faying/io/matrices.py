@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.display.facts import listed
-from faying.exceptions import ModelError, naming, refuse, refuse_model
+from faying.exceptions import ModelError, naming, refuse_model
 from faying.io.deck_lines import ABAQUS, NASTRAN
 from faying.io.matrix_checks import (
     RowLabel,
@@ -27,7 +27,6 @@ from faying.model.assembly import (
     AverageCoupling,
     Beam,
     Equation,
-    FaceSet,
     MatrixBlock,
     PointMass,
     RigidCoupling,
@@ -74,7 +73,7 @@ def matrices_assembly(
         1, 2, 3, … if None.
     faces
         Names of interface sides to node ids (n_face, 3 | 4 | 6 | 8), corners first,
-        counter-clockwise seen from outside the body.
+        counter-clockwise seen from outside the body; -1 fills rows with fewer nodes.
     node_sets
         Names to node ids.
     beams, springs, masses, rigid_couplings, average_couplings, equations, supports
@@ -164,9 +163,9 @@ def read_matrices(
     else:
         ids, points = read_node_table(nodes)
         mesh, surfaces = Mesh(nodes=points, node_ids=ids), {}
-    sides = {name: mesh.node_ids[side.nodes] for name, side in surfaces.items()}
+    sides = {name: np.where(side >= 0, mesh.node_ids[side], -1) for name, side in surfaces.items()}
     given = read_id_sets(faces, "face set") if faces is not None else {}
-    sides |= {key: _stacked(key, value) for key, value in given.items()}
+    sides |= {key: _stacked(value) for key, value in given.items()}
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
     files = {"M": M, "K": K, "C": C}
     labelled = {key: read_matrix(file, key) for key, file in files.items() if file is not None}
@@ -191,7 +190,7 @@ def read_matrices(
     return replace(assembly, supports=(*assembly.supports, *supports))
 
 
-def _read_geometry(path: _Path) -> tuple[Mesh, Mapping[str, FaceSet]]:
+def _read_geometry(path: _Path) -> tuple[Mesh, Mapping[str, Indices]]:
     """Read nodes, node sets and surfaces of an Abaqus, CalculiX or Nastran deck."""
     if Path(path).suffix.lower() in ABAQUS:
         from faying.io.abaqus.matrices import read_geometry
@@ -254,18 +253,21 @@ def _rows(mesh: Mesh, dofs: npt.NDArray[Any], what: str = "dof table") -> tuple[
     return mesh.node_index(table[:, 0]), table[:, 1] - 1
 
 
-def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:
+def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> Indices:
     table = np.asarray(ids)
-    kinds = {face.n_nodes: kind for kind, face in FACES.items()}
-    if table.ndim != 2 or table.shape[1] not in kinds or table.dtype.kind not in "iu":
-        *widths, last = kinds
+    *widths, last = (face.n_nodes for face in FACES.values())
+    given = np.atleast_2d(table != -1)
+    known = np.isin(given.sum(axis=1), [*widths, last]).all() and given.shape[1] <= last
+    gaps = (given[:, 1:] > given[:, :-1]).any()
+    if table.ndim != 2 or table.dtype.kind not in "iu" or not known or gaps:
         refuse_model(
             f"face set '{name}': shape {table.shape} of {table.dtype}; expected node ids "
-            f"(n_face, {', '.join(map(str, widths))} or {last})"
+            f"(n_face, {', '.join(map(str, widths))} or {last}), -1 only at the ends of rows"
         )
+    nodes = np.full(table.shape, -1, dtype=np.int64)
     with naming(f"face set '{name}'"):
-        nodes = mesh.node_index(table.ravel()).reshape(table.shape)
-    return FaceSet(kind=kinds[table.shape[1]], nodes=nodes)
+        nodes[given] = mesh.node_index(table[given])
+    return nodes
 
 
 def _supports(mesh: Mesh, table: Indices) -> list[Support]:
@@ -277,9 +279,9 @@ def _supports(mesh: Mesh, table: Indices) -> list[Support]:
     ]
 
 
-def _rowless(mesh: Mesh, name: str, faces: FaceSet, present: Indices) -> str:
+def _rowless(mesh: Mesh, name: str, faces: Indices, present: Indices) -> str:
     """Return the note that interface nodes without rows count as held; they may be eliminated."""
-    missing = mesh.node_ids[np.setdiff1d(faces.nodes, present)]
+    missing = mesh.node_ids[np.setdiff1d(faces[faces >= 0], present)]
     if not len(missing):
         return ""
     nodes = listed(missing)
@@ -296,9 +298,7 @@ def _turning(mesh: Mesh, nodes: Indices) -> str:
     )
 
 
-def _stacked(name: str, rows: list[Indices]) -> Indices:
-    sizes = sorted({len(row) for row in rows})
-    if len(sizes) != 1:
-        shown = " and ".join(map(str, sizes))
-        refuse(f"face set '{name}' has faces of {shown} nodes; make one set of each kind")
-    return np.stack(rows)
+def _stacked(rows: list[Indices]) -> Indices:
+    """Return rows as a table, -1 where a row is shorter."""
+    width = max(map(len, rows))
+    return np.stack([np.pad(row, (0, width - len(row)), constant_values=-1) for row in rows])

@@ -21,7 +21,7 @@ from faying.exceptions import FormatError, refuse
 from faying.files.contents import reason_of
 from faying.io.aster_mail import read_mail
 from faying.io.mesh_groups import FACE_NODES, Group, cells_of, dimension, groups_of, volume_groups
-from faying.model.assembly import Assembly, FaceSet, Material
+from faying.model.assembly import Assembly, Material
 from faying.model.bodies import separated
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
@@ -255,11 +255,11 @@ def _sets(
 
 def _with_faces(
     mesh_read: Any, groups: list[Group], whole: Mesh, mesh: Mesh
-) -> tuple[Mesh, dict[str, FaceSet], list[str]]:
+) -> tuple[Mesh, dict[str, Indices], list[str]]:
     """Turn surface groups into outward facets of the solids.
 
-    A mesher's orientation follows the geometry, not the body. Groups of faces between solids or of
-    several kinds of facets remain node sets. Where bodies were separated, a group has the nodes of
+    A mesher's orientation follows the geometry, not the body. Groups of faces between solids
+    remain node sets. Where bodies were separated, a group has the nodes of
     the bodies whose faces it names, also of both where they touch.
     """
     origin = np.arange(len(mesh.nodes) + 1)
@@ -269,7 +269,7 @@ def _with_faces(
     copied = (origin[mesh.exterior.nodes] != mesh.exterior.nodes).any(axis=1)
     exterior = mesh.exterior.taken(np.argsort(copied, kind="stable"))
     as_read = replace(exterior, nodes=origin[exterior.nodes])
-    face_sets: dict[str, FaceSet] = {}
+    face_sets: dict[str, Indices] = {}
     node_sets, notes = dict(mesh.node_sets), list[str]()
     for group in groups:
         tables = [
@@ -280,18 +280,15 @@ def _with_faces(
         if not tables:
             continue
         owner = np.unique(as_read.positions(np.concatenate(tables)))
-        kinds = exterior.taken(owner).by_kind()
-        if owner.min(initial=0) >= 0 and len(kinds) == 1:
-            ((kind, nodes),) = kinds.items()
-            face_sets[group.name] = FaceSet(kind=kind, nodes=nodes)
+        if owner.min(initial=0) >= 0:
+            face_sets[group.name] = exterior.nodes[owner]
             sides = exterior.nodes[as_read.taken(owner).positions(as_read.nodes) >= 0]
             members = node_sets[group.name]
             elsewhere = np.isin(origin[members], origin[sides]) & ~np.isin(members, sides)
             node_sets[group.name] = members[~elsewhere]
         else:
             notes.append(
-                f"surface group '{group.name}' is not made of outer faces of one kind: "
-                "taken as a set of nodes"
+                f"surface group '{group.name}' is not made of outer faces: taken as a set of nodes"
             )
     return replace(mesh, node_sets=node_sets), face_sets, notes
 

@@ -286,22 +286,6 @@ class MatrixBlock(Frozen):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FaceSet(Frozen):
-    """Named surface facets.
-
-    Attributes
-    ----------
-    kind
-        ``"tri3"``, ``"tri6"``, ``"quad4"`` or ``"quad8"``.
-    nodes : (n_face, n_node_per_face)
-        Node indices, corners first, counter-clockwise seen from outside the body.
-    """
-
-    kind: str
-    nodes: Indices
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class Assembly:
     """The structure in a deck, before equations are formed.
 
@@ -316,7 +300,8 @@ class Assembly:
     element
         Formulation of hex8: ``"incompatible"`` or ``"standard"``.
     face_sets
-        Named facets of a deck, or of a model with given matrices.
+        Named facets of a deck, or of a model with given matrices: node indices (n_face, n), corners
+        first, counter-clockwise seen from outside the body; -1 fills rows with fewer nodes.
     loads
         Load set id (or name) to nodal loads.
     ignored
@@ -338,7 +323,7 @@ class Assembly:
     equations: tuple[Equation, ...] = ()
     supports: tuple[Support, ...] = ()
     matrices: MatrixBlock | None = None
-    face_sets: Mapping[str, FaceSet] = field(default_factory=dict)
+    face_sets: Mapping[str, Indices] = field(default_factory=dict)
     loads: Mapping[str, NodalLoads] = field(default_factory=dict)
     name: str = "assembly"
     ignored: tuple[str, ...] = ()

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Mask
 from faying.display.facts import listed
 from faying.exceptions import refuse_model
-from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
+from faying.model.assembly import Assembly, NodalLoads, RigidCoupling, Support
 from faying.model.bodies import body_names
 from faying.model.description import JointDescription
 from faying.model.links import LINKS, linked_nodes
@@ -237,12 +237,10 @@ class _Cut:
         nodes = support.nodes[~self.dead[support.nodes]]
         return [replace(support, nodes=nodes)] if len(nodes) else []
 
-    def _face_sets(self, sets: Mapping[str, FaceSet]) -> dict[str, FaceSet]:
-        left = {
-            name: replace(faces, nodes=faces.nodes[~self.dead[faces.nodes].any(axis=1)])
-            for name, faces in sets.items()
-        }
-        return {name: faces for name, faces in left.items() if len(faces.nodes)}
+    def _face_sets(self, sets: Mapping[str, Indices]) -> dict[str, Indices]:
+        dead = np.append(self.dead, False)  # for unused columns (-1)
+        left = {name: faces[~dead[faces].any(axis=1)] for name, faces in sets.items()}
+        return {name: faces for name, faces in left.items() if len(faces)}
 
     def _loads(self, loads: Mapping[str, NodalLoads]) -> dict[str, NodalLoads]:
         left = {}
@@ -293,10 +291,9 @@ def remaining_joint(
         for side in (spec.minus, spec.plus):
             faces = whole.face_sets.get(side) if isinstance(side, str) else None
             if faces is not None and isinstance(side, str):
-                left = len(assembly.face_sets[side].nodes)
-                if left < len(faces.nodes):
-                    count = len(faces.nodes) - left
-                    notes.append(f"{count} of {len(faces.nodes)} faces of '{side}' ({spec.name})")
+                lost_faces = len(faces) - len(assembly.face_sets[side])
+                if lost_faces:
+                    notes.append(f"{lost_faces} of {len(faces)} faces of '{side}' ({spec.name})")
     bolts = [bolt for bolt in described.bolts if _has_bolt(bolt, assembly)]
     notes += [f"bolt '{bolt.name}'" for bolt in described.bolts if bolt not in bolts]
     boundaries = [boundary for boundary in described.boundaries if _has_set(boundary, assembly)]

@@ -168,7 +168,7 @@ class Rayleigh:
     beta: float = 0.0
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class GapRule:
     """Rule of a deck for the initial gap of an interface.
 

@@ -43,7 +43,8 @@ def nodes_of_set(assembly: Assembly, name: str) -> Indices:
     if name in mesh.node_sets:
         return mesh.node_sets[name]
     if name in assembly.face_sets:
-        return np.unique(assembly.face_sets[name].nodes)
+        faces = assembly.face_sets[name]
+        return np.unique(faces[faces >= 0])
     if name in mesh.element_sets:
         return mesh.element_nodes(mesh.element_sets[name])
     parts = body_names(mesh)

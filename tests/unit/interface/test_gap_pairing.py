@@ -12,7 +12,7 @@ from faying.interface.gap_pairing import declared
 from faying.interface.mortar import find_couplings
 from faying.interface.pairing import find_interfaces
 from faying.io.abaqus import write_deck
-from faying.model.assembly import Assembly, FaceSet, Support
+from faying.model.assembly import Assembly, Support
 from faying.model.description import JointDescription
 from faying.model.generate import brick_grid
 from faying.model.mesh import Mesh
@@ -36,10 +36,7 @@ def faced(assembly):
         "under": np.isin(facets.elements, mesh.element_sets["lower"]) & (up > 0.7),
         "over": np.isin(facets.elements, mesh.element_sets["upper"]) & (up < -0.7),
     }
-    faces = {}
-    for name, rows in chosen.items():
-        ((kind, nodes),) = facets.taken(rows).by_kind().items()
-        faces[name] = FaceSet(kind=kind, nodes=nodes)
+    faces = {name: facets.taken(rows).nodes for name, rows in chosen.items()}
     return replace(assembly, face_sets=faces)
 
 

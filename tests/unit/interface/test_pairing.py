@@ -8,7 +8,7 @@ import pytest
 from faying.exceptions import ModelError
 from faying.interface.pairing import find_interfaces, pair_facets
 from faying.interface.selection import select_facets
-from faying.model.assembly import Assembly, FaceSet
+from faying.model.assembly import Assembly
 from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
 from faying.model.mesh import Mesh
@@ -99,10 +99,10 @@ def test_a_face_set_knows_its_owners():
     exterior = joint.mesh.exterior
     chosen = exterior.taken(exterior.bodies == 1)
     # Other first corner, same facet.
-    faces = FaceSet(kind="quad4", nodes=np.roll(chosen.nodes[:, :4], 1, axis=1))
+    faces = np.roll(chosen.nodes[:, :4], 1, axis=1)
     found = select_facets(replace(joint, face_sets={"f": faces}), "f")
     np.testing.assert_array_equal(found.elements, chosen.elements)
-    np.testing.assert_array_equal(found.nodes[:, :4], faces.nodes)
+    np.testing.assert_array_equal(found.nodes[:, :4], faces)
 
 
 def test_unknown_selections_are_refused_with_near_names():
@@ -201,8 +201,8 @@ def test_other_diagonals_are_told_from_shifted_nodes():
     """The same four nodes, cut into triangles along different diagonals."""
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
     mesh = Mesh(nodes=np.vstack([square, square]), node_ids=np.arange(1, 9))
-    below = FaceSet(kind="tri3", nodes=[[0, 1, 2], [0, 2, 3]])
-    above = FaceSet(kind="tri3", nodes=[[5, 4, 7], [6, 5, 7]])
+    below = np.array([[0, 1, 2], [0, 2, 3]])
+    above = np.array([[5, 4, 7], [6, 5, 7]])
     joint = Assembly(mesh=mesh, face_sets={"lower": below, "upper": above})
     with pytest.raises(ModelError, match="other diagonals"):
         pair_facets(joint, NAMED)
@@ -222,10 +222,7 @@ def test_non_matching_curved_faces_are_found():
     inner, inner_faces = arc(8, 5.0, True, 0)
     outer, outer_faces = arc(6, 5.0, False, len(inner))
     mesh = Mesh(nodes=np.vstack([inner, outer]), node_ids=np.arange(len(inner) + len(outer)))
-    sets = {
-        "lower": FaceSet(kind="quad4", nodes=inner_faces),
-        "upper": FaceSet(kind="quad4", nodes=outer_faces),
-    }
+    sets = {"lower": inner_faces, "upper": outer_faces}
     with pytest.raises(ModelError, match=r"8 of 8 facets of minus.*6 of 6"):
         pair_facets(Assembly(mesh=mesh, face_sets=sets), NAMED)
 

@@ -97,14 +97,14 @@ def test_tables_in_npz(tmp_path: Path) -> None:
         name="plate",
     )
     assert assembly.name == "plate"
-    assert assembly.face_sets["top"].nodes.tolist() == [[0, 1, 2, 3]]
+    assert assembly.face_sets["top"].tolist() == [[0, 1, 2, 3]]
     assert assembly.mesh.node_sets["left"].tolist() == [0, 3]
     assert assembly.mesh.node_sets["right"].tolist() == [1, 2]
     (tmp_path / "faces.csv").write_text("a,10,20,30\na,10,30,40\nb,10,20,30,40\n")
     assembly = read_matrices(path, path, **tables(tmp_path), faces=tmp_path / "faces.csv")
-    assert {k: (f.kind, f.nodes.shape) for k, f in assembly.face_sets.items()} == {
-        "a": ("tri3", (2, 3)),
-        "b": ("quad4", (1, 4)),
+    assert {name: faces.tolist() for name, faces in assembly.face_sets.items()} == {
+        "a": [[0, 1, 2], [0, 2, 3]],
+        "b": [[0, 1, 2, 3]],
     }
 
 
@@ -224,8 +224,11 @@ def test_bad_tables(tmp_path: Path, table: str, text: str, message: str) -> None
 def test_faces_of_mixed_kinds_in_one_set(tmp_path: Path) -> None:
     (tmp_path / "faces.csv").write_text("a,10,20,30\na,10,20,30,40\n")
     good = matrix_file(tmp_path / "M.npz", M)
-    with pytest.raises(FormatError, match="faces of 3 and 4 nodes"):
-        read_matrices(good, good, **tables(tmp_path), faces=tmp_path / "faces.csv")
+    read = read_matrices(good, good, **tables(tmp_path), faces=tmp_path / "faces.csv")
+    assert read.face_sets["a"].tolist() == [[0, 1, 2, -1], [0, 1, 2, 3]]
+    for wrong in ([[10, -1, 20, 30]], [[10, 20, -1, -1]], [[10, 20, 30, -1, 40]]):
+        with pytest.raises(ModelError, match="-1 only at the ends of rows"):
+            matrices_assembly(M, K, nodes=NODES, node_ids=IDS, dofs=DOFS, faces={"a": wrong})
     (tmp_path / "faces.csv").write_text("a,10,20,30\na,10,x,30\n")
     with pytest.raises(FormatError, match=r"faces\.csv:2: face set 'a'"):
         read_matrices(good, good, **tables(tmp_path), faces=tmp_path / "faces.csv")

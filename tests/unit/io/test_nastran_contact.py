@@ -52,8 +52,8 @@ def test_simcenter_pair_of_faces(read: Read) -> None:
     joint = read(SIMCENTER, "BCTPARM,4,PENN,10.,PENT,1.,CTOL,.01,\n,MAXF,20")
     assert sides(joint) == [("contact-5-6", "bsurfs:5", "bsurfs:6")]
     # Counter-clockwise seen from outside: the top of the lower, the bottom of the upper cube.
-    assert joint.assembly.face_sets["bsurfs:5"].nodes.tolist() == [[4, 5, 6, 7]]
-    assert joint.assembly.face_sets["bsurfs:6"].nodes.tolist() == [[8, 11, 10, 9]]
+    assert joint.assembly.face_sets["bsurfs:5"][:, :4].tolist() == [[4, 5, 6, 7]]
+    assert joint.assembly.face_sets["bsurfs:6"][:, :4].tolist() == [[8, 11, 10, 9]]
     notes = joint.assembly.ignored
     assert "BCTPARM PENN, PENT, CTOL, MAXF (the study's penalty and tolerance count)" in notes
     assert [spec.gap for spec in joint.interfaces] == [None]
@@ -116,8 +116,8 @@ def test_sides_of_bricks_as_contact_bodies(read: Read) -> None:
     pairs = "BCTABL1,9,3\nBCONECT,3,,,7,8\n"
     joint = read(surfaces + pairs)
     assert sides(joint) == [("contact-7-8", "bcsurf:7", "bcsurf:8")]
-    assert set(joint.assembly.face_sets["bcsurf:7"].nodes.ravel()) == {4, 5, 6, 7}
-    assert set(joint.assembly.face_sets["bcsurf:8"].nodes.ravel()) == {8, 9, 10, 11}
+    assert set(joint.assembly.face_sets["bcsurf:7"][:, :4].ravel()) == {4, 5, 6, 7}
+    assert set(joint.assembly.face_sets["bcsurf:8"][:, :4].ravel()) == {8, 9, 10, 11}
     for change, message in (
         (("1,S2", "1,S7"), "'1, S7, ELEM'; supported are rows of a CHEXA"),
         (("1,S2", "99,S2"), "element 99 is not a CHEXA"),
@@ -291,15 +291,17 @@ def test_triangles_and_quadrilaterals_in_one_region(tmp_path: Path) -> None:
     path.write_text(text)
     joint = read_joint(path)
     assert sides(joint) == [("contact-5-6", "bsurfs:5", "bsurfs:6")]
-    assert joint.assembly.mesh.node_ids[joint.assembly.mesh.node_sets["bsurfs:5"]].tolist() == [
-        *(5, 6, 7, 8, 10)
+    faces = joint.assembly.face_sets["bsurfs:5"]
+    assert [set(joint.assembly.mesh.node_ids[row[row >= 0]].tolist()) for row in faces] == [
+        {5, 6, 7, 8},
+        {6, 7, 10},
     ]
-    # Not in contact, it is a set to be named in a study, or listed.
+    # Not in contact, it is a set to be named in a study.
     path.write_text(text.replace("BCTSET,4,5,6\n", ""))
-    assert "bsurfs:5" in read_joint(path).assembly.mesh.node_sets
-    # With a second brick's side in between, the nodes of the region would span that too.
+    np.testing.assert_array_equal(read_joint(path).assembly.face_sets["bsurfs:5"], faces)
+    # The side between them has no nodes but those of the region, which is not the side.
     path.write_text(text.replace("BSURFS,5,,,,1,5,6,7", "BSURFS,5,,,,1,5,6,7\n,1,2,3,1"))
-    refuses("divide it into one region per kind", read_joint, path)
+    assert len(read_joint(path).assembly.face_sets["bsurfs:5"]) == 3
     path.write_text(text.replace("BSURFS,5,,,,1,5,6,7", "BSURFS,5,,,,1,2,3,7"))
     refuses("inside a body", read_joint, path)
 

@@ -6,7 +6,7 @@ projects onto. Here the node and the point below it each carry a triangle of thi
 with them without rotation.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,9 +25,8 @@ from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, removed_sides, slave_and_master
 from faying.io.tied_surfaces import equal_motions
-from faying.model.assembly import Assembly, FaceSet
+from faying.model.assembly import Assembly
 from faying.model.elements import FACES
-from faying.model.mesh import Mesh
 from faying.model.specs import GapRule, InterfaceSpec
 from faying.model.surface import facet_area_vectors, facet_frames, rows_by_kind
 
@@ -114,26 +113,6 @@ def interface_names(pairs: list[Pair]) -> list[str]:
     ]
 
 
-def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
-    """Return a mesh with node sets for sides without a face set: mixed facets, node surfaces."""
-    for side in sides:
-        if len(side.facets) == 1:
-            continue
-        count = len(mesh.exterior.within(side.nodes))
-        if not side.facets and not count:
-            continue  # single nodes become contact points
-        namesake = mesh.node_sets.get(side.name)
-        if (namesake is not None and not np.array_equal(np.unique(namesake), side.nodes)) or (
-            side.facets and count != sum(map(len, side.facets.values()))
-        ):
-            side.keyword.refuse(
-                f"surface '{side.name}' is not determined by its nodes; rename a node set like it, "
-                "and give triangles and quadrilaterals separate surfaces and contact pairs"
-            )
-        mesh = mesh.with_node_set(side.name, side.nodes)
-    return mesh
-
-
 def specs(assembly: Assembly, pairs: list[Pair], deck: Deck) -> tuple[InterfaceSpec, ...]:
     """Return the pairs as interfaces, marked where their meshes do not match."""
     interfaces, ignored = [], deck.ignored
@@ -209,7 +188,7 @@ def with_lone_nodes(
     """Replace pairs whose slave has no whole facet by a contact pair for each node."""
     replaced: list[Pair] = []
     for pair in pairs:
-        if pair.slave.facets or len(assembly.mesh.exterior.within(pair.slave.nodes)):
+        if pair.slave.name in assembly.face_sets:
             replaced.append(pair)
             continue
         assembly, points = _points(assembly, pair)
@@ -250,7 +229,7 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
         assembly, plus = _carried(assembly, below + triangle, of_place)
         number = int(assembly.mesh.node_ids[node])
         sides = _sides(pair, number, minus, plus)
-        named = {side.name: FaceSet(kind="tri3", nodes=side.facets["tri3"]) for side in sides}
+        named = {side.name: side.facets["tri3"] for side in sides}
         assembly = replace(assembly, face_sets={**assembly.face_sets, **named})
         spec = pair.interaction.spec
         interaction = Interaction(replace(spec, name=f"{spec.name} node {number}"))

@@ -19,13 +19,12 @@ from faying.io.abaqus.mesh import LINE_TYPES, SOLID_TYPES
 from faying.io.abaqus.solid_sections import cells
 from faying.io.abaqus.surfaces import face_sets, read_surfaces
 from faying.io.matrix_labels import LabelledMatrix
-from faying.model.assembly import FaceSet
 from faying.model.mesh import Mesh
 
 _GEOMETRY = frozenset(("NODE", "SYSTEM", "ELEMENT", "NSET", "ELSET", "SURFACE"))
 
 
-def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet]]:
+def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, Indices]]:
     """Read nodes, solids, sets and surfaces of a deck whose other content is in matrices.
 
     Elements of other kinds, and their sets and surfaces, are skipped.
@@ -48,7 +47,7 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
         blocks=tuple(cells(data.elements.solids, np.zeros(ids, dtype=np.int64))),
         node_sets=data.node_sets.indices(data.nodes),
     )
-    return mesh, face_sets(read_surfaces(data, mesh))
+    return mesh, face_sets(read_surfaces(data, mesh), mesh)
 
 
 _ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")

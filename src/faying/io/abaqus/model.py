@@ -131,7 +131,7 @@ def description(deck: Deck) -> JointDescription:
         bushes=bushes,
         masses=tuple(read_masses(data)),
         supports=holds.supports,
-        face_sets=face_sets(surfaces),
+        face_sets=face_sets(surfaces, mesh),
         name=deck.path.stem,
     )
     apart = {section.node for section in sections}
@@ -163,13 +163,7 @@ def description(deck: Deck) -> JointDescription:
             "opens and closes here under the loads of a study, and is not fixed by earlier steps"
         )
     loads = _loads(deck, concentrated, distributed, thermal, moving)
-    assembly = replace(
-        assembly,
-        mesh=contact.with_mixed_sides(
-            assembly.mesh, [side for pair in pairs for side in (pair.slave, pair.master)]
-        ),
-        loads=loads,
-    )
+    assembly = replace(assembly, loads=loads)
     senses = {cut.name: cut.sense for cut in cuts}
     sections = [replace(item, sense=senses.get(item.name, item.sense)) for item in sections]
     preloads = pretension.preloads(sections, general, holds, data)

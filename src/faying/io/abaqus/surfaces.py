@@ -12,9 +12,8 @@ from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.shells import Shells
 from faying.io.element_faces import numbered_faces
-from faying.model.assembly import FaceSet
 from faying.model.mesh import Mesh
-from faying.model.surface import nodes_by_kind
+from faying.model.surface import nodes_by_kind, padded
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,13 +73,14 @@ def removed_sides(surfaces: Surfaces, line: Line) -> str:
     return " and ".join(side.name for side in sides if not len(side.nodes))
 
 
-def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
-    """Return face sets of the surfaces with one kind of facets."""
+def face_sets(surfaces: Surfaces, mesh: Mesh) -> dict[str, Indices]:
+    """Return the facets of surfaces by name; of a surface of nodes those between them."""
     by_name = {}
     for surface in surfaces.values():
-        if len(surface.facets) == 1:
-            kind, nodes = next(iter(surface.facets.items()))
-            by_name[surface.name] = FaceSet(kind=kind, nodes=nodes)
+        tables = [padded(nodes) for nodes in surface.facets.values()]
+        faces = np.concatenate(tables or [mesh.exterior.within(surface.nodes).nodes])
+        if len(faces):
+            by_name[surface.name] = faces
     return by_name
 
 

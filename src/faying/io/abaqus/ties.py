@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.abaqus.contact import Pair, with_mixed_sides
+from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import lines, parameter
 from faying.io.abaqus.keyword import Keyword
@@ -72,7 +72,7 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     Raises
     ------
     FormatError, ModelError
-        If a surface is not determined by its nodes, or the two do not face each other.
+        If the two surfaces do not face each other.
     """
     of_nodes = [tie for tie in ties if not tie.slave.facets]
     of_facets = [tie for tie in ties if tie.slave.facets]
@@ -89,9 +89,6 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
             tie.keyword.refuse(
                 f"slave surface '{tie.slave.name}' has nodes only; a TIED pair needs element faces"
             )
-    sides = [side for tie in of_facets for side in (tie.slave, tie.master)]
-    sides += [tie.master for tie in of_nodes]
-    named = replace(assembly, mesh=with_mixed_sides(assembly.mesh, sides))
     specs = {
         tie: InterfaceSpec(
             name=tie.name,
@@ -103,20 +100,20 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
         for tie in of_facets
     }
     rigid = [spec for tie, spec in specs.items() if tie.stiffness is None]
-    equations, partial = moving_together(named, rigid)
+    equations, partial = moving_together(assembly, rigid)
     ignored += [
         f"*TIE {name}: {share:.0%} of the smaller surface is tied" for name, share in partial
     ]
     all_equations = (*assembly.equations, *equations)
     for tie in of_nodes:
-        all_equations += _following(named, tie, ignored)
+        all_equations += _following(assembly, tie, ignored)
     moved = _adjusted(assembly.mesh.nodes, ties, all_equations[len(assembly.equations) :])
-    named = replace(named, equations=all_equations, mesh=replace(named.mesh, nodes=moved))
+    mesh = replace(assembly.mesh, nodes=moved)
+    assembly = replace(assembly, equations=all_equations, mesh=mesh)
     for tie, spec in specs.items():
         if tie.stiffness is not None:
-            named = with_elastic_layer(named, spec, *tie.stiffness)
-    node_sets = dict(assembly.mesh.node_sets)
-    return replace(named, mesh=replace(named.mesh, node_sets=node_sets))
+            assembly = with_elastic_layer(assembly, spec, *tie.stiffness)
+    return assembly
 
 
 def _adjusted(nodes: Matrix, ties: Sequence[Tie], equations: Sequence[Equation]) -> Matrix:

@@ -6,6 +6,7 @@ from os import PathLike
 
 import numpy as np
 
+from faying._typing import Indices
 from faying.exceptions import refuse
 from faying.io.deck_lines import naming
 from faying.io.left_out import IGNORABLE, checked_ignore
@@ -188,44 +189,30 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     Raises
     ------
     FormatError
-        If a region in contact has no exterior face, or faces that no set can represent.
+        If a region in contact has no exterior face, or a face inside a body.
     """
-    assembly = deck.assembly
-    element_sets = dict(assembly.mesh.element_sets)
-    node_sets = dict(assembly.mesh.node_sets)
+    mesh = deck.assembly.mesh
+    element_sets, face_sets = dict(mesh.element_sets), dict[str, Indices]()
     every = {region.name: region for region in regions.values() if region.shells is None}
     every |= {region.name: region for pair in pairs for region in (pair.minus, pair.plus)}
     used = {region.name for pair in pairs for region in (pair.minus, pair.plus)}
-    faces = {r.name: r.face_set for r in every.values() if r.facets is not None}
-    mixed = {name for name, face_set in faces.items() if face_set is None}
-    for region in every.values():
+    for name, region in every.items():
         if region.elements is not None:
-            element_sets[region.name] = region.elements
-            if region.name in used and not len(region.elements):
+            element_sets[name] = region.elements
+            if name in used and not len(region.elements):
                 region.card.refuse(
                     "no solid of the deck belongs to this contact region; correct its ids"
                 )
-        elif region.name in used and region.shells is None and region.facets is not None:
-            positions = assembly.mesh.exterior.positions(region.facets)
-            if not len(positions) or positions.min() < 0:
-                region.card.refuse(
-                    "a face of this contact region lies inside a body; name exterior faces"
-                )
-        if region.name in mixed and region.facets is not None:
-            nodes = np.unique(region.facets[region.facets >= 0])
-            spanned = len(assembly.mesh.exterior.within(nodes))
-            if len(nodes) and spanned == len(region.facets):
-                node_sets[region.name] = nodes
-            elif region.name in used:
-                region.card.refuse(
-                    "a contact region of triangles and quadrilaterals whose grids also span other "
-                    "faces is not supported; divide it into one region per kind of face"
-                )
-            else:
-                deck.ignored.append(f"{region.name} (faces of several kinds)")
-    mesh = replace(assembly.mesh, element_sets=element_sets, node_sets=node_sets)
-    named = {name: face_set for name, face_set in faces.items() if face_set is not None}
-    return replace(assembly, mesh=mesh, face_sets=named)
+        elif region.facets is not None:
+            face_sets[name] = region.facets
+            if name in used and region.shells is None:
+                positions = mesh.exterior.positions(region.facets)
+                if not len(positions) or positions.min() < 0:
+                    region.card.refuse(
+                        "a face of this contact region lies inside a body; name exterior faces"
+                    )
+    mesh = replace(mesh, element_sets=element_sets)
+    return replace(deck.assembly, mesh=mesh, face_sets=face_sets)
 
 
 def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None]) -> Assembly:

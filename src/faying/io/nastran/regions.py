@@ -18,11 +18,8 @@ from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS
 from faying.io.solid_cuts import Cut, on_their_sides
-from faying.model.assembly import FaceSet
 from faying.model.cells import CellBlock
-from faying.model.elements import FACES
 from faying.model.mesh import Mesh
-from faying.model.surface import rows_by_kind
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,16 +49,6 @@ class Region:
         if self.facets is None or not cuts:
             return self
         return replace(self, facets=on_their_sides(mesh, cuts, self.facets))
-
-    @property
-    def face_set(self) -> FaceSet | None:
-        """Return the faces of BSURFS; None if they are of several kinds."""
-        if self.facets is None or not len(self.facets):
-            return None
-        kinds = list(rows_by_kind(self.facets))
-        if len(kinds) > 1:
-            return None
-        return FaceSet(kind=kinds[0], nodes=self.facets[:, : FACES[kinds[0]].n_nodes])
 
 
 _SIDES = {f"S{number}": number for number in range(1, 7)}
