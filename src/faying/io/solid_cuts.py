@@ -5,7 +5,7 @@ its normal by a common distance. The pretension force determines it, and then it
 Here the distance is the elongation of a spring in the bolt, far stiffer than the adjacent solids.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NoReturn
 
@@ -19,7 +19,7 @@ from faying.model.assembly import Assembly, Equation, Spring, Support
 from faying.model.deck_bolt import CUT_STIFFNESS
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import WIDTH, corner_keys, padded, unique_rows
+from faying.model.surface import WIDTH, corner_keys, nodes_by_kind, padded, unique_rows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,8 +32,8 @@ class Section:
         Of the bolt.
     shown
         Name of the section in messages.
-    facets
-        Facet kind to nodes (n_facet, n_node_per_facet), seen from outside the owning side.
+    facets : (n_facet, 8)
+        Nodes of facets, seen from outside the owning side, with -1 behind them.
     elements : (n_element,)
         Ids of the solids that own these facets.
     refuse
@@ -44,7 +44,7 @@ class Section:
 
     name: str
     shown: str
-    facets: Mapping[str, Indices]
+    facets: Indices
     elements: Indices
     refuse: Callable[[str], NoReturn]
     direction: tuple[float, ...] | None = None
@@ -52,7 +52,7 @@ class Section:
     @property
     def nodes(self) -> Indices:
         """Sorted nodes of the facets, without duplicates."""
-        return np.unique(np.concatenate([part.ravel() for part in self.facets.values()]))
+        return np.unique(self.facets[self.facets >= 0])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -111,7 +111,7 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
             replace(block, nodes=np.where(touching[:, None], copy_of[block.nodes], block.nodes))
         )
     vector, moment, total = np.zeros(3), np.zeros(3), 0.0
-    for kind, facets in section.facets.items():
+    for kind, facets in nodes_by_kind(section.facets).items():
         rule = gauss_rule(kind)
         vectors = area_vectors(kind, mesh.nodes[facets], rule.points)
         of_facets = np.einsum("fqd,q->fd", vectors, rule.weights)
@@ -170,9 +170,8 @@ def _owning_side(mesh: Mesh, section: Section) -> Indices:
     at_section = [np.isin(block.nodes, section.nodes) for block in mesh.blocks]
     touching: list[Mask] = [np.asarray(nodes.any(axis=1)) for nodes in at_section]
     faces, ids, _ = faces_of(mesh, touching)
-    cut = np.concatenate([corner_keys(padded(part)) for part in section.facets.values()])
-    keys = np.concatenate([cut, corner_keys(faces)])
-    _, group, _ = unique_rows(keys)
+    cut = section.facets
+    _, group, _ = unique_rows(corner_keys(np.concatenate([cut, faces])))
     is_cut = np.isin(group[len(cut) :], group[: len(cut)])
     elements, position = np.unique(ids, return_inverse=True)
     joins = sp.csr_array(

@@ -28,7 +28,7 @@ from faying.io.tied_surfaces import equal_motions
 from faying.model.assembly import Assembly
 from faying.model.elements import FACES
 from faying.model.specs import GapRule, InterfaceSpec
-from faying.model.surface import facet_area_vectors, facet_frames, rows_by_kind
+from faying.model.surface import facet_area_vectors, facet_frames, padded, rows_by_kind
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ def read_pairs(
                 )
                 continue
             slave, master = slave_and_master(surfaces, line)
-            if not slave.facets:
+            if not len(slave.facets):
                 ignored.append(
                     f"slave surface {slave.name} of nodes: taken as the facets between these nodes"
                 )
@@ -229,7 +229,7 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
         assembly, plus = _carried(assembly, below + triangle, of_place)
         number = int(assembly.mesh.node_ids[node])
         sides = _sides(pair, number, minus, plus)
-        named = {side.name: side.facets["tri3"] for side in sides}
+        named = {side.name: side.facets for side in sides}
         assembly = replace(assembly, face_sets={**assembly.face_sets, **named})
         spec = pair.interaction.spec
         interaction = Interaction(replace(spec, name=f"{spec.name} node {number}"))
@@ -278,6 +278,6 @@ def _carried(assembly: Assembly, corners: Vector, motion: sp.csr_array) -> tuple
 def _sides(pair: Pair, number: int, *ends: Indices) -> list[DeckSurface]:
     surfaces = (pair.slave, pair.master)
     return [
-        replace(side, name=f"{side.name} at {number}", facets={"tri3": nodes[None]}, nodes=nodes)
+        replace(side, name=f"{side.name} at {number}", facets=padded(nodes[None]), nodes=nodes)
         for side, nodes in zip(surfaces, ends, strict=True)
     ]

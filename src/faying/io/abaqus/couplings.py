@@ -16,6 +16,7 @@ from faying.io.abaqus.mesh import SHELL_TYPES, Elements
 from faying.io.abaqus.solid_sections import find_frame, is_of_abaqus
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
 from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
+from faying.model.surface import nodes_by_kind
 
 MEMBERS = ("KINEMATIC", "DISTRIBUTING")
 _ALL = tuple(range(6))
@@ -127,12 +128,12 @@ def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
     It is zero at corners of six-node facets, and negative at corners of eight-node facets.
     """
     shares = np.zeros(len(coordinates))
-    for kind, facets in coupled.facets.items():
+    for kind, facets in nodes_by_kind(coupled.facets).items():
         rule = gauss_rule(kind)
         share = surface(kind, coordinates[facets], rule).areas @ shape_functions(kind, rule.points)
         share[np.abs(share) < ROUND_OFF * share.max(axis=1, keepdims=True)] = 0.0
         shares += np.bincount(facets.ravel(), share.ravel(), minlength=len(coordinates))
-    if not coupled.facets:
+    if not len(coupled.facets):
         shares[coupled.nodes] = 1.0
     return shares[coupled.nodes]
 

@@ -17,7 +17,7 @@ from faying.io.abaqus.surfaces import Surfaces, faces_of_solids, find_surface
 from faying.io.element_faces import face_areas, nodal_forces
 from faying.model.assembly import Assembly
 from faying.model.body_forces import body_forces, centrifugal
-from faying.model.surface import nodes_by_kind
+from faying.model.surface import WIDTH, nodes_by_kind, padded
 
 _TIMED = ("STATIC", "DYNAMIC", "VISCO", "MODAL DYNAMIC")
 """Procedures whose data line has the length of the step, after its first increment."""
@@ -202,7 +202,7 @@ def _lines(
             if kind != "P" or len(line) != 3:
                 line.refuse(f"load {kind} is not supported; P (pressure) is")
             surface = find_surface(surfaces, keyword, label, line.row)
-            if not surface.facets:
+            if not len(surface.facets):
                 line.refuse(f"surface '{label}' has no facets for a pressure")
             yield key, _pressure(assembly, surface.facets, line.real(2, "a pressure"))
         elif kind in _BODY_FORCES:
@@ -216,7 +216,7 @@ def _lines(
                 keyword, assembly.mesh, ids, np.full(len(ids), face), np.full(len(ids), line.row)
             )
             value = line.real(2, "a pressure")
-            yield key, _pressure(assembly, nodes_by_kind(facets), value)
+            yield key, _pressure(assembly, facets, value)
         else:
             line.refuse(
                 f"load {kind} is not supported; P1 … P6 (pressure), P on shells, GRAV and CENTRIF "
@@ -224,11 +224,11 @@ def _lines(
             )
 
 
-def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -> Matrix:
+def _pressure(assembly: Assembly, facets: Indices, value: float) -> Matrix:
     """Return nodal forces -p ∫ N n dA; pressure acts against the outward normal."""
     nodes = assembly.mesh.nodes
     forces = np.zeros((len(nodes), 6))
-    for kind, table in facets.items():
+    for kind, table in nodes_by_kind(facets).items():
         of_faces = nodal_forces(kind, -value * face_areas(kind, nodes[table]))
         np.add.at(forces[:, :3], table, of_faces)
     return forces
@@ -237,15 +237,13 @@ def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -
 def _on_shells(line: Line, assembly: Assembly, sets: NamedSets) -> Matrix:
     """Return the nodal forces of a pressure on shells, which acts along their normal."""
     ids = sets.members(line.keyword, line.text(0), line.row)
-    parts = [(block.kind, block.nodes[np.isin(block.ids, ids)]) for block in assembly.shells]
-    if sum(len(nodes) for _, nodes in parts) != len(ids):
+    shells = [padded(block.nodes[np.isin(block.ids, ids)]) for block in assembly.shells]
+    facets = np.concatenate([np.empty((0, WIDTH), dtype=np.int64), *shells])
+    if len(facets) != len(ids):
         line.refuse(
             f"{line.text(0)} has not only shells; P is a pressure on shells, P1 … P6 on solids"
         )
-    forces = np.zeros((len(assembly.mesh.nodes), 6))
-    for kind, nodes in parts:
-        forces += _pressure(assembly, {kind: nodes}, -line.real(2, "a pressure"))
-    return forces
+    return _pressure(assembly, facets, -line.real(2, "a pressure"))
 
 
 def _body_force(line: Line, assembly: Assembly, sets: NamedSets) -> Matrix:

@@ -47,7 +47,7 @@ class Section:
 
     def through(self, surface: DeckSurface) -> solid_cuts.Section:
         """Return the section through solids at a surface."""
-        if not surface.facets:
+        if not len(surface.facets):
             self.keyword.refuse(
                 f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"
             )

@@ -13,7 +13,7 @@ from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.shells import Shells
 from faying.io.element_faces import numbered_faces
 from faying.model.mesh import Mesh
-from faying.model.surface import nodes_by_kind, padded
+from faying.model.surface import WIDTH
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -24,8 +24,8 @@ class DeckSurface:
     ----------
     name
         Name as written.
-    facets
-        Nodes (n_facet, n_node_per_facet) by kind of facet, in faying's order seen from outside.
+    facets : (n_facet, 8)
+        Nodes in faying's order seen from outside, -1 behind those of a facet; none of nodes alone.
     nodes : (n_node,)
         All nodes of the surface.
     elements : (n_element,)
@@ -36,7 +36,7 @@ class DeckSurface:
 
     name: str
     keyword: Keyword
-    facets: Mapping[str, Indices]
+    facets: Indices
     nodes: Indices
     elements: Indices
     height: float = 0.0
@@ -62,7 +62,7 @@ def slave_and_master(surfaces: Surfaces, line: Line) -> tuple[DeckSurface, DeckS
     filled = replace(line, texts=[text for text in line.texts if text])
     filled.check((2,), "the slave and the master surface")
     slave, master = _named_surfaces(surfaces, filled)
-    if not master.facets:
+    if not len(master.facets):
         line.refuse(f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT")
     return slave, master
 
@@ -77,8 +77,8 @@ def face_sets(surfaces: Surfaces, mesh: Mesh) -> dict[str, Indices]:
     """Return the facets of surfaces by name; of a surface of nodes those between them."""
     by_name = {}
     for surface in surfaces.values():
-        tables = [padded(nodes) for nodes in surface.facets.values()]
-        faces = np.concatenate(tables or [mesh.exterior.within(surface.nodes).nodes])
+        of_nodes = not len(surface.facets)
+        faces = mesh.exterior.within(surface.nodes).nodes if of_nodes else surface.facets
         if len(faces):
             by_name[surface.name] = faces
     return by_name
@@ -114,9 +114,9 @@ def _of_nodes(keyword: Keyword, name: str, mesh: Mesh, by_node: NamedSets) -> De
         if unknown.size:
             keyword.refuse(f"there is no node {unknown[0]}", row)
         parts.append(mesh.node_index(ids))
-    empty = np.empty(0, dtype=np.int64)
+    none = np.empty((0, WIDTH), dtype=np.int64)
     nodes = np.unique(np.concatenate(parts))
-    return DeckSurface(name=name, keyword=keyword, facets={}, nodes=nodes, elements=empty)
+    return DeckSurface(name=name, keyword=keyword, facets=none, nodes=nodes, elements=none[:, 0])
 
 
 def _of_elements(
@@ -144,7 +144,7 @@ def _of_elements(
     return DeckSurface(
         name=name,
         keyword=keyword,
-        facets=nodes_by_kind(nodes),
+        facets=nodes,
         nodes=np.unique(nodes[nodes >= 0]),
         elements=np.unique(np.concatenate(owners)),
         height=float(height[0]) if len(height) == 1 else np.nan,

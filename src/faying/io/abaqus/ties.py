@@ -13,8 +13,8 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
 from faying.io.tied_surfaces import following, moving_together, with_elastic_layer
 from faying.model.assembly import Assembly, Equation
-from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
+from faying.model.surface import corner_nodes
 
 DEFAULT_TOLERANCE = 0.05
 """Default position tolerance over the mean edge of the master surface, as in Abaqus."""
@@ -74,8 +74,8 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     FormatError, ModelError
         If the two surfaces do not face each other.
     """
-    of_nodes = [tie for tie in ties if not tie.slave.facets]
-    of_facets = [tie for tie in ties if tie.slave.facets]
+    of_nodes = [tie for tie in ties if not len(tie.slave.facets)]
+    of_facets = [tie for tie in ties if len(tie.slave.facets)]
     for tie in ties:
         if not (tie.slave.height or tie.master.height):
             continue
@@ -156,9 +156,7 @@ def _following(assembly: Assembly, tie: Tie, ignored: list[str]) -> tuple[Equati
 def _tolerance(assembly: Assembly, tie: Tie) -> float:
     if tie.tolerance is not None:
         return tie.tolerance
-    edges = [
-        np.linalg.norm(np.roll(corners, 1, axis=1) - corners, axis=2).ravel()
-        for kind, facets in tie.master.facets.items()
-        for corners in [assembly.mesh.nodes[facets[:, : FACES[kind].n_corners]]]
-    ]
-    return DEFAULT_TOLERANCE * float(np.concatenate(edges).mean())
+    corners = assembly.mesh.nodes[corner_nodes(tie.master.facets)]
+    edges = np.linalg.norm(np.roll(corners, 1, axis=1) - corners, axis=2)
+    # A triangle repeats its last corner.
+    return DEFAULT_TOLERANCE * float(edges[edges > 0].mean())

@@ -12,9 +12,8 @@ from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.id_lists import element_list, id_list
 from faying.io.solid_cuts import Section, faces_of
-from faying.model.elements import FACES
 from faying.model.mesh import Mesh
-from faying.model.surface import corner_keys, corner_nodes, rows_by_kind, unique_rows
+from faying.model.surface import corner_keys, corner_nodes, unique_rows
 
 OF_GRIDS, OF_ELEMENTS = 2, 3
 
@@ -119,9 +118,7 @@ def _section(number: int, card: Card, faces: Indices, ids: Indices, axis: Vector
     return Section(
         name=f"bolt-{number}",
         shown="the cross-section of the bolt",
-        facets={
-            kind: faces[rows, : FACES[kind].n_nodes] for kind, rows in rows_by_kind(faces).items()
-        },
+        facets=faces,
         elements=np.unique(ids),
         refuse=card.refuse,
         direction=None if axis is None else tuple(axis.tolist()),
