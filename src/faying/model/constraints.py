@@ -20,10 +20,14 @@ from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly
 from faying.model.couplings.average import average_rows
 from faying.model.couplings.equation import equation_rows
+from faying.model.couplings.groups import Part, grouped
 from faying.model.couplings.rigid import rigid_rows
 from faying.model.couplings.rows import Rows, dof_name, stacked
 from faying.model.couplings.support import fixed_components, inclined_rows
 from faying.model.dofs import DofMap
+
+NEIGHBOURS = 27
+"""Nodes of the bricks around a node: elements fill K as much as a mean of √(27 n) components."""
 
 
 def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] = ()) -> DofMap:
@@ -145,22 +149,39 @@ def _solve_for_others(
     # Equations and their components as one graph: a coupling of many nodes stays sparse.
     graph = sp.block_array([[None, residual], [residual.T, None]], format="csr")
     _, group = connected_components(graph, directed=False)
-    replaced = np.zeros(n_dof, dtype=bool)
-    parts: list[tuple[Indices, Indices, Matrix]] = []
+    parts: list[Part] = []
+    groups: list[Part] = []
     for number in np.unique(group[: len(rows.dependent)]).tolist():
         members = np.flatnonzero(group[: len(rows.dependent)] == number)
         columns = np.unique(residual[members].indices)
         dense = residual[members][:, columns].toarray()
-        chosen, reduced = _eliminate(dense, choosable[columns])
-        if len(_eliminate(dense, moving[columns])[0]) > len(chosen):
+        if len(_eliminate(dense, moving[columns])[0]) > len(
+            _eliminate(dense, choosable[columns])[0]
+        ):
             _refuse_tied(assembly, rows, members)
+        if len(columns) ** 2 > NEIGHBOURS * n_dof:
+            means, dense, columns = _in_groups(assembly, dense, columns, choosable)
+            groups += means
+        chosen, reduced = _eliminate(dense, choosable[columns])
         others = np.setdiff1d(np.arange(len(columns)), chosen)
         solved = -np.linalg.solve(reduced[:, chosen], reduced[:, others])
         solution = np.asarray(solved, dtype=np.float64)
         solution[np.abs(solution) <= ROUND_OFF * np.abs(solution).max(initial=0.0)] = 0.0
-        replaced[columns[chosen]] = True
         parts.append((columns[chosen], columns[others], solution))
-    return _replacement(replaced, parts)
+    result = _replacement(n_dof, parts)
+    return (_replacement(n_dof, groups) @ result).tocsr() if groups else result
+
+
+def _in_groups(
+    assembly: Assembly, equations: Matrix, columns: Indices, choosable: Mask
+) -> tuple[list[Part], Matrix, Indices]:
+    """Return replaced components of groups, and equations between their means, with columns."""
+    nodes, components = np.divmod(columns, 6)
+    bodies = np.where(choosable[columns], assembly.mesh.bodies[nodes], -1)
+    parts, equations = grouped(equations, assembly.mesh.nodes[nodes], components, bodies)
+    left = equations.any(axis=0)
+    named = [(columns[rows], columns[others], factors) for rows, others, factors in parts]
+    return named, equations[:, left], columns[left]
 
 
 def _without_rounding(matrix: SparseMatrix, size: Vector) -> SparseMatrix:
@@ -172,13 +193,13 @@ def _without_rounding(matrix: SparseMatrix, size: Vector) -> SparseMatrix:
     return matrix
 
 
-def _replacement(replaced: Mask, parts: list[tuple[Indices, Indices, Matrix]]) -> SparseMatrix:
+def _replacement(n_dof: int, parts: list[Part]) -> SparseMatrix:
     """Return the identity, except for the replaced rows, which hold the solutions."""
-    keep = np.flatnonzero(~replaced)
+    keep = np.setdiff1d(np.arange(n_dof), np.concatenate([rows for rows, _, _ in parts]))
     row = np.concatenate([keep, *(np.repeat(r, len(c)) for r, c, _ in parts)])
     column = np.concatenate([keep, *(np.tile(c, len(r)) for r, c, _ in parts)])
     value = np.concatenate([np.ones(len(keep)), *(s.ravel() for _, _, s in parts)])
-    result = sp.coo_array((value, (row, column)), shape=(len(replaced),) * 2).tocsr()
+    result = sp.coo_array((value, (row, column)), shape=(n_dof, n_dof)).tocsr()
     result.eliminate_zeros()
     return result
 

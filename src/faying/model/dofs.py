@@ -19,7 +19,8 @@ class DofMap(Frozen):
         T; row 6 i + c belongs to component c of node index i. Rows of supported and of unused
         components are empty.
     free : (n_dof,)
-        Row of T in which each free degree of freedom appears with factor one.
+        Row of T in which each free degree of freedom appears: with factor one, but where many nodes
+        have a loaded mean, of which some are means of groups, equal to the row in rigid motions.
     """
 
     transformation: SparseMatrix

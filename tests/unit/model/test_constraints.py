@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ModelError
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Assembly, AverageCoupling, Equation, RigidCoupling, Support
 from faying.model.constraints import constrain, movable_components
 from faying.model.couplings.average import average_rows
 from faying.model.couplings.rigid import rigid_rows
+from faying.model.matrices import rigid_body_motions
 from faying.model.mesh import Mesh
 
 # Corners of a unit cube and a node outside it; ids differ from indices on purpose.
@@ -243,3 +245,23 @@ def test_an_average_over_a_line_may_tie_what_the_line_determines():
     T = constrain(model, TRANSLATIONS).transformation.toarray()
     # Mean of two nodes at equal distance.
     assert T[0].max() == pytest.approx(0.5, abs=1e-12)
+
+
+def test_a_loaded_mean_of_many_nodes_is_one_of_groups():
+    """Solved for the components of a few nodes, rows of all others would fill these."""
+    mesh = lap_joint_assembly(element_size=2.5).assembly.mesh
+    top = np.flatnonzero(mesh.nodes[:, 2] > 0)
+    reference = len(mesh.nodes)
+    mean = AverageCoupling(id=1, reference=reference, nodes=top, weights=1.0 + top % 3)
+    model = Assembly(mesh=mesh.with_nodes(np.array([60.0, 1.0, 2.0])), average_couplings=(mean,))
+    used = np.arange(6 * (reference + 1)) % 6 < 3
+    dofs = constrain(model, used, keep=6 * reference + np.arange(6))
+    T = dofs.transformation
+    assert T.shape[1] == 3 * reference
+    assert np.diff(T.indptr).max() < len(top)
+    moved = T @ np.random.default_rng(4).normal(size=T.shape[1])
+    rows = average_rows(model, used)
+    np.testing.assert_allclose(rows.matrix @ moved, moved[rows.dependent], atol=1e-11)
+    rigid = rigid_body_motions(model.mesh.nodes, np.zeros(3))
+    translations = np.append(np.flatnonzero(used), 6 * reference + np.arange(6))
+    np.testing.assert_allclose((T @ rigid[dofs.free])[translations], rigid[translations], atol=1e-9)
