@@ -185,10 +185,14 @@ def _in_groups(
 
 
 def _without_rounding(matrix: SparseMatrix, size: Vector) -> SparseMatrix:
-    """Drop entries of the size of round-off in each row: redundant equations vanish."""
+    """Drop round-off in each row, of largest coefficient ``size`` before substitutions.
+
+    Redundant equations vanish. A mean of n nodes has coefficients of a few 1/n.
+    """
     rows = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    # Remainders of coefficients after substitutions into their equation.
-    matrix.data[np.abs(matrix.data) <= SOLVED * size[rows]] = 0.0
+    largest = abs(matrix).max(axis=1).toarray().ravel()
+    limit = np.where(largest > SOLVED * size, ROUND_OFF * largest, largest)
+    matrix.data[np.abs(matrix.data) <= limit[rows]] = 0.0
     matrix.eliminate_zeros()
     return matrix
 
