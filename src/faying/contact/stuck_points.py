@@ -235,6 +235,11 @@ class LocalContact:
         G = self.rows if len(self.pairs) < n else sp.eye_array(n, format="csr")
         return PointSprings(G=G, components=self.components)
 
+    def shares_coordinates(self, other: "LocalContact") -> bool:
+        """Return whether the coordinates are those of other points."""
+        in_pairs = all(len(some.pairs) < some.rows.shape[0] for some in (self, other))
+        return in_pairs and np.array_equal(self.pairs, other.pairs)
+
     @cached_property
     def compliance(self) -> Matrix:
         """T of (F12), between the coordinates (n_coordinate, n_coordinate) [length/force]."""

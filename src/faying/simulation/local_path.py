@@ -29,8 +29,10 @@ from faying.contact.pair_factors import LU
 from faying.contact.point_springs import PointSprings
 from faying.contact.stuck_points import LocalContact
 
-SOLVED = 1e-13
-"""Residual over the largest force at rest at which an increment is solved."""
+SOLVED = 1e-11
+"""Residual at which an increment is solved, over the largest force at rest, or over that of the
+springs along the path if smaller: 3e-13 of the residual of a motion is left, and a hundredth of it
+took a quarter more steps."""
 
 NEGLIGIBLE = 1e-4
 """Remaining forces over the largest one whose effect on other points a step may neglect."""
@@ -97,9 +99,11 @@ def follow_local(
     dissipation, factors = np.zeros(n), list[OffSprings | None]()
     felt, pairs = local.shares.transposed, _Coordinates(local)
     excess, slip = np.zeros(felt.shape[0]), np.zeros((2, m))
-    begun = [guess @ felt.T for guess in guesses]
+    begun, springs = [guess @ felt.T for guess in guesses], local.springs.ravel()
     solved = np.zeros((n, felt.shape[0]))
     off: OffSprings | None = None
+    rest, sprung = (np.abs(part).max(initial=0.0) for part in (local.forces, linear * springs))
+    enough = SOLVED * float(min(sprung / max(rest, np.finfo(float).tiny), 1.0))
     for number in range(n):
         before = number - period
         if before >= 0:
@@ -116,7 +120,7 @@ def follow_local(
         laws = _BesideSprings(local, anchor)
         begins = (pairs.state(laws, linear[number], start) for start in starts)
         state = min(begins, key=lambda state: state.left)
-        state, _, off = descend(laws, pairs, state, factors=off, solved=SOLVED)
+        state, _, off = descend(laws, pairs, state, factors=off, solved=enough)
         factors.append(off)
         moved[number], excess = (state.z - anchor).ravel(), state.p
         forces[number], solved[number] = local.laws.respond(state.z)[0], excess
@@ -228,6 +232,15 @@ class OffSprings:
         result[self.acting] = self.lu.solve(right)
         return result
 
+    def moved(self, T: npt.NDArray[Any], left: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return T (I + A T)⁻¹ times residual forces (n_coordinate, x), which are overwritten."""
+        if self.lu is None:
+            return _moved(T, left)
+        right = left[self.acting]
+        left[self.acting] = 0.0
+        left[self.acting] = self.lu.solve(right - self.block @ _moved(T, left))
+        return _moved(T, left)
+
 
 def by_component(blocks: Matrix, chosen: Mask | slice = slice(None)) -> SparseMatrix:
     """Return chosen rows of the sparse matrix with blocks (n, components, components) at points."""
@@ -256,7 +269,7 @@ def local_derivatives(
     excess = list[tuple[Indices, Matrix]]()
     slip, rubs = np.zeros((2, m)), local.contact.coefficients > 0
     slid, T = np.zeros(m, dtype=bool), local.for_steps
-    G, felt = local.shares.G, local.shares.transposed
+    G = local.shares.G
     for number, w in enumerate(path.moved):
         anchor = local.at_rest.copy()
         anchor[1:] -= slip[: k - 1]
@@ -264,20 +277,17 @@ def local_derivatives(
         change = change_from(local.springs, K)
         # Open points move with the motion, also those that were open at rest.
         points = np.flatnonzero(change.any(axis=(1, 2)) | ~K.any(axis=(1, 2)))
-        off = OffSprings.of(local, change, local.compliance)
+        off = OffSprings.of(local, change, T)
         # μ changes by K s − Δ w where points slid before, or are off their springs.
         active = slid.copy()
         active[points] = True
         chosen = np.flatnonzero(active)
         every = (m * np.arange(k)[:, None] + chosen).ravel()
+        at, changed = G[every], by_component(change[chosen])
         pulled = by_component(K[chosen]) @ s[:, chosen].reshape(len(every), count)
         along = shapes[every] @ columns[number % N]
-        along += G[every] @ _moved(T, felt[:, every] @ pulled)
-        changed = by_component(change[chosen])
-        if off.lu is not None:
-            resisted = np.zeros((felt.shape[0], count))
-            resisted[off.acting] = off.lu.solve((felt[:, every] @ (changed @ along))[off.acting])
-            along -= G[every] @ _moved(T, resisted)
+        forced = off.moved(T, (at.T @ (pulled - changed @ along)).astype(T.dtype))
+        along += at @ forced
         excess.append((every, pulled - changed @ along))
         if k > 1 and len(points):
             forces = np.pad(path.forces[number], ((0, 3 - k), (0, 0)))
@@ -296,7 +306,7 @@ def local_derivatives(
 def _moved(T: npt.NDArray[Any], forces: Matrix) -> npt.NDArray[Any]:
     """Return T times forces (n_coordinate, x), many of whose rows vanish."""
     rows = np.flatnonzero(forces.any(axis=1))
-    return np.asarray(T[rows].T @ forces[rows].astype(T.dtype))
+    return np.asarray(T[rows].T @ forces[rows])
 
 
 def changed_by(path: LocalPath, local: LocalContact, excess: Excess, change: Vector) -> Matrix:

@@ -4,30 +4,34 @@ A step goes along the tangent and ends at the next given frequency if the curve 
 plane across the tangent (pseudo-arclength; E. L. Allgower & K. Georg, Introduction to Numerical
 Continuation Methods, 2003, §6), so that turning points are passed. Steps of Newton's method are
 judged by the next step with the same factors (natural monotonicity; P. Deuflhard, Newton Methods
-for Nonlinear Problems, 2011, §3.3), because residuals are no measure at a resonance.
+for Nonlinear Problems, 2011, §3.3), because residuals are no measure at a resonance. Derivatives
+serve as long as steps shrink fast, corrected along the steps taken (Broyden's method; §3.2.3).
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import cast
 
 import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 from faying.iterations import MOST_TRIALS
 from faying.simulation.local_path import OffSprings
 from faying.simulation.path_steps import MOST_DIVISIONS
 from faying.simulation.periodic import PERIODS, Derivatives, Motion, PeriodicProblem
 
-ROUND_OFF, SOLVED = 1e-10, 1e-6
-"""Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
-accepted at the limit of round-off."""
+LARGEST_ERROR = 1e-6
+"""Next step of Newton's method over the unknowns at which a motion is accepted at the limit of
+round-off; it is solved where that is as small as :data:`~faying.digits.SOLVED`."""
 
-FAST_CONVERGENCE = 0.03
+FAST_CONVERGENCE = 0.2
 """Largest next step over the last one for which derivatives are used again: new ones take as long
-as half a path or a whole one."""
+as one to four paths. With 0.03 a lap joint of 464 points and seven harmonics took three of them a
+frequency instead of one or two, and as many paths."""
 
 LARGEST_STEP = 0.5
 """Step of Newton's method over the unknowns that is taken whole."""
@@ -109,43 +113,59 @@ def solve_motion(
     border = np.append(np.zeros(problem.size), 1.0) if across is None else across
     problem, _, motion = _followed(problem, x, guesses, kept)
     derivatives = problem.derivatives(motion)
-    factors = _factors(derivatives, border)
+    factors, taken = _factors(derivatives, border), list[Vector]()
 
     def step(reached: Motion) -> Vector:
         right = -np.append(problem.residual(reached), 0.0)
-        return np.asarray(la.lu_solve(factors, right, check_finite=False))
+        change = np.asarray(la.lu_solve(factors, right, check_finite=False))
+        for before, after in pairwise(taken):
+            change += _share(change, before) * after
+        return change
 
+    # Across a steep curve steps change the frequency most, and the motion with it.
+    slope = np.linalg.norm(border[:-1]) * (np.linalg.norm(unknowns) / circular) ** 2 / border[-1]
+
+    def length(change: Vector) -> float:
+        return float(np.hypot(np.linalg.norm(change[:-1]), slope * change[-1]))
+
+    change = step(motion)
     for _ in range(MOST_TRIALS):
-        change = step(motion)
-        far, size = float(np.linalg.norm(change[:-1])), float(np.linalg.norm(x[:-1]))
+        far, size = length(change), float(np.linalg.norm(x[:-1]))
         error = far / max(size, np.finfo(float).tiny)
         if not np.isfinite(error):
             break
         point = CurvePoint(problem=problem, motion=motion, derivatives=derivatives, error=error)
-        part, left, ends = LARGEST_STEP / max(error, LARGEST_STEP), np.inf, error <= ROUND_OFF
+        part, left, ends = LARGEST_STEP / max(error, LARGEST_STEP), np.inf, error <= SOLVED
+        fresh = not taken
+        taken.append(change)
         while not ends and part >= 0.5**MOST_DIVISIONS:
             trial = x + part * change
             if trial[-1] > 0:
                 guess = problem.begun(motion, part * change, derivatives)
                 watching, rows, moved = _followed(problem, trial, [guess], motion.path.factors)
-                left = float(np.linalg.norm(step(moved)[:-1]))
+                onward = step(moved)
+                left = length(onward)
                 # The step was computed without the added points.
                 if left <= (1 - part / 4) * far or len(rows) < watching.local.springs.size:
                     break
-            # At the limit of round-off the motion is solved.
-            ends, part = error <= SOLVED, part / 2
+            # At the limit of round-off the motion is solved; old derivatives do not tell.
+            ends, part = fresh and error <= LARGEST_ERROR, part / 2 if fresh else 0.0
         if ends:
             trial, guess = x, problem.begun(motion)
             if not len(_leaving(problem, x, guess)):
                 return point
             watching, rows, moved = _followed(problem, x, [guess])
-        elif part < 0.5**MOST_DIVISIONS:
+        elif part < 0.5**MOST_DIVISIONS and fresh:
             break
+        elif part == 0:
+            trial, watching, rows, moved = x, problem, np.arange(problem.local.springs.size), motion
         x, motion, problem, derivatives = trial, moved, watching, derivatives.at(rows)
-        # At the limit of round-off other derivatives change nothing.
-        if not ends and left > FAST_CONVERGENCE * far and left > SOLVED * size:
+        if ends or part < 1.0 or left > FAST_CONVERGENCE * far:
             derivatives = problem.derivatives(motion)
-            factors = _factors(derivatives, border)
+            factors, taken = _factors(derivatives, border), []
+            change = step(motion)
+        else:
+            change = onward / (1 - _share(onward, change))
     message = f"no periodic motion was found at {motion.circular / (2 * np.pi):.6g}"
     raise ConvergenceError(message)
 
@@ -164,11 +184,14 @@ def _followed(
     guess = guesses[0] if guesses else np.zeros((PERIODS * problem.samples, n))
     leaving, rows = _leaving(problem, x, guess), np.arange(n)
     if len(leaving):
+        before = problem.local
         problem, rows = problem.watching(leaving)
         spread = np.zeros((len(guesses), len(guess), problem.local.springs.size))
         for new, old in zip(spread, guesses, strict=True):
             new[:, rows] = old
-        guesses, kept = list(spread), ()
+        guesses = list(spread)
+        if not problem.local.shares_coordinates(before):
+            kept = ()
     return problem, rows, problem.follow(x[:-1], float(x[-1]), guesses, kept)
 
 
@@ -176,6 +199,11 @@ def _leaving(problem: PeriodicProblem, x: Vector, guess: Matrix) -> Indices:
     """Return points that leave their springs in a motion, periodic or not yet."""
     displaced = problem.displaced(x[:-1], float(x[-1]), guess)
     return problem.stuck.leaving(displaced, problem.local.points)
+
+
+def _share(change: Vector, before: Vector) -> float:
+    """Return the part of a step along another one, over that one."""
+    return float(change[:-1] @ before[:-1]) / float(before[:-1] @ before[:-1])
 
 
 def _factors(derivatives: Derivatives, border: Vector) -> tuple[Matrix, Indices]:
