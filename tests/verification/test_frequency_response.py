@@ -5,10 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from test_backbone import DAMPER, LIMIT, MASS, SLIDER, SPRING, mass_on_a_slider
 
 import faying as fy
-from faying.assessment.forced_joint import ForcedJoint, Released
+from faying.assessment.forced_joint import MORE, ForcedJoint, Released
 from faying.assessment.resonance import steady_state
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
@@ -162,6 +164,45 @@ def test_a_slow_period_is_that_of_a_path(lap):
         (period.bolt_moments["bolt"], path.bolt_bending("bolt")[-32:]),
     ):
         np.testing.assert_allclose(found, expected, atol=2e-3 * np.ptp(expected, axis=0).max())
+
+
+@pytest.mark.long
+def test_the_deviation_is_what_more_harmonics_change(slider):
+    """Exact where it is largest, and of the right order elsewhere."""
+    load, asked = {"mass.Fx": 1.0}, [2.2, 2.6]
+    (curve,) = fy.frequency_response(slider, load, asked, [8.0], tolerance=0.5).curves
+    more = curve.harmonics.shape[1] - 1 + MORE
+    (finer,) = fy.frequency_response(slider, load, asked, [8.0], harmonics=more).curves
+    rows, others = (
+        [int(np.abs(one.frequency - target).argmin()) for target in asked]
+        for one in (curve, finer)
+    )
+    moved = curve.response("mass.ux")[rows]
+    changes = np.abs(finer.response("mass.ux")[others] - moved) / np.abs(moved)
+    told = curve.deviation[rows]
+    worst = int(np.argmax(told))
+    assert told[worst] == pytest.approx(changes[worst], rel=1e-3)
+    assert (changes > 1e-4).all()
+    assert (changes < 5 * told).all()
+
+
+@settings(max_examples=10, deadline=None)
+@given(
+    frequencies=st.lists(st.integers(1, 80), min_size=3, max_size=3, unique=True).map(sorted),
+    order=st.integers(1, 5),
+)
+def test_a_range_follows_all_that_its_frequencies_alone_do(slider, frequencies, order):
+    rest, asked = fy.solve_path(slider, [fy.Load()]), np.array(frequencies) / 10
+
+    def followed(chosen):
+        forced = ForcedJoint.of(slider, {"mass.Fx": 1.0}, rest, chosen)
+        return forced._problem(1.0, order, None, Released()).pairs
+
+    together = followed(asked)
+    for one in asked:
+        alone = followed(np.array([one]))
+        harmonics, modes = alone.shape
+        assert together[:harmonics, :modes][alone].all()
 
 
 @pytest.mark.parametrize(

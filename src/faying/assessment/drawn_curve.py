@@ -104,11 +104,12 @@ def _period_results(system: System, point: CurvePoint) -> dict[str, float | Vect
     shares = [_min_share(weights[at], sticks[at], closed[at]) for at in surfaces if bound[at].any()]
     # Work of f and of damping forces on du over a period, by the first harmonic and by all.
     orders = np.arange(problem.n_harmonic + 1)[:, None]
-    damped = 1j * orders * harmonics_of(motion.outputs[loads.damped], problem.n_harmonic)
+    turns = motion.circular * orders**2 * problem.moved(motion).conj()
+    damped = harmonics_of(motion.outputs[loads.damped], problem.n_harmonic)
     first = harmonics_of(motion.outputs[:2], 1)[1]
     return {
         "load_work": -np.pi * problem.level * float(first[0].imag - first[1].real),
-        "damping_energy": np.pi * float((problem.velocities(motion).conj() * damped).real.sum()),
+        "damping_energy": np.pi * float((turns * damped).real.sum()),
         "friction_energy": float(path.dissipation[-N:].sum()),
         "motion_energy": (motion.circular * np.linalg.norm(motion.harmonics[1])) ** 2 / 2,
         "peak_pressure": float((forces[0] / weights[:, None]).max(initial=0.0)),

@@ -22,7 +22,7 @@ from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces
 from faying.simulation.load import harmonic_inputs
 from faying.simulation.path import path_start
-from faying.simulation.periodic import ModalLoads, PeriodicProblem
+from faying.simulation.periodic import PERIODS, ModalLoads, PeriodicProblem
 from faying.simulation.periodic_curve import CurvePoint, Traced, solve_motion, trace
 from faying.simulation.solution import Solution
 from faying.simulation.stuck_rest import StuckRest
@@ -163,23 +163,27 @@ class ForcedJoint:
             released = released if change > tolerance else begun
         if released != begun:
             traced = self._traced(level, order, samples, released)
-        point = _highest(traced.points) if harmonics else self._least_certain(traced.points, order)
-        finer, change = self._changed(point, order + MORE, samples, released)
-        first = order
-        while harmonics is None and change > tolerance and finer and order + MORE <= MOST:
-            order += MORE
-            finer, change = self._changed(finer, order + MORE, samples, released)
-        if order > first:
-            traced = self._traced(level, order, samples, released)
-            point = self._least_certain(traced.points, order)
-            finer, change = self._changed(point, order + MORE, samples, released)
-        if point is not None and change > tolerance:
-            at = f"{point.motion.circular / (2 * np.pi):.6g}"
-            if finer is None:
-                remarks.append(f"no motion was found at {at} with {order + MORE} harmonics")
-            else:
-                told = f"{MORE} harmonics more than {order} change the motion at {at} by"
-                remarks.append(f"{told} {change:.1%}")
+        deviation: Vector | None = None
+        if harmonics is None:
+            deviation, checked, finer, change = self._checked(traced, order, samples, released)
+            while change > tolerance and finer is not None and order + MORE <= MOST:
+                # The worst motion alone tells how many harmonics all are computed with.
+                while change > tolerance and finer is not None and order + MORE <= MOST:
+                    order += MORE
+                    finer, change = self._changed(finer, order + MORE, samples, released)
+                traced = self._traced(level, order, samples, released)
+                deviation, checked, finer, change = self._checked(traced, order, samples, released)
+        else:
+            # The user's choice is checked where the motion is largest.
+            checked = _highest(traced.points)
+            _, change = self._changed(checked, order + MORE, samples, released)
+        if checked is not None and change > tolerance:
+            at = f"{checked.motion.circular / (2 * np.pi):.6g}"
+            remarks.append(
+                f"{MORE} harmonics more than {order} change the motion at {at} by {change:.1%}"
+                if np.isfinite(change)
+                else f"no motion was found at {at} with {order + MORE} harmonics"
+            )
         curve = drawn_curve(self.system, self.rest, level, traced)
         if curve.contact is not None and len(curve.frequency):
             imbalance = np.abs(curve.contact.imbalance)
@@ -196,7 +200,7 @@ class ForcedJoint:
                     f"{sliding.min():.6g} and {sliding.max():.6g}"
                 )
         shown = curve.harmonics[:, : order + 1]
-        return replace(curve, harmonics=shown, remarks=tuple(remarks))
+        return replace(curve, harmonics=shown, remarks=tuple(remarks), deviation=deviation)
 
     def _traced(
         self,
@@ -270,11 +274,11 @@ class ForcedJoint:
     def _pairs(self, rest: StuckRest, order: int, samples: int) -> Mask:
         """Return the harmonics of shapes that move (H + 1, n_mode), with so many samples.
 
-        To an order all do, and past it those that inertia moves more than it holds, k²ω² < 2 ω_m²,
-        as far as a harmonic has eight samples.
+        To an order all do, and past it those that inertia moves more than it holds, k²ω² < 2 ω_m²
+        at any frequency, as far as a harmonic has eight samples.
         """
         k = np.arange(max(order, samples // 8) + 1)[:, None]
-        driven = 2 * np.pi * float(self.frequencies[-1])
+        driven = 2 * np.pi * float(self.frequencies[0])
         squares = np.diag(rest.stiffness)[: rest.n_mode]
         pairs = (k <= order) | ((k * driven) ** 2 < 2 * squares)
         return np.asarray(pairs[: int(np.flatnonzero(pairs.any(axis=1))[-1]) + 1])
@@ -291,20 +295,47 @@ class ForcedJoint:
                 return max(FEWEST, k + 2)
         return FEWEST
 
-    def _least_certain(self, points: Sequence[CurvePoint], order: int) -> CurvePoint | None:
-        """Return the point that more harmonics change most, by one step of Newton's method."""
+    def _checked(
+        self, traced: Traced, order: int, samples: int | None, released: "Released"
+    ) -> tuple[Vector, CurvePoint | None, CurvePoint | None, float]:
+        """Return how more harmonics change all motions, the worst one, and what becomes of it.
 
-        def change(point: CurvePoint) -> float:
-            problem, harmonics = point.problem, point.motion.harmonics
-            pairs = self._pairs(problem.loads.rest, order + MORE, problem.samples)
-            problem = replace(problem, pairs=pairs)
-            harmonics = np.pad(harmonics, ((0, len(pairs) - len(harmonics)), (0, 0)))
-            motion = replace(point.motion, harmonics=harmonics)
-            slopes = problem.derivatives(motion).residual[:, :-1]
-            step = problem.unpacked(np.asarray(la.solve(slopes, problem.residual(motion))))
-            return float(np.linalg.norm(step[1]) / np.linalg.norm(harmonics[1]))
+        That one is solved for, and its change comes last. Those of the others are in proportion to
+        it, by one step of Newton's method for each, among the points watched so far.
+        """
+        steps = [self._first_step(at, order + MORE, samples, released) for at in traced.points]
+        worst = traced.points[int(np.argmax(steps))] if steps else None
+        finer, change = self._changed(worst, order + MORE, samples, released)
+        largest = max(steps, default=0.0)
+        told = change / largest if 0 < largest < np.inf and np.isfinite(change) else 1.0
+        return told * np.array(steps), worst, finer, change
 
-        return max(points, key=change, default=None)
+    def _first_step(
+        self, point: CurvePoint, order: int, samples: int | None, released: "Released"
+    ) -> float:
+        """Return the first step of Newton's method with other harmonics, modes and samples."""
+        problem, begun, guess = self._richer(point, order, samples, released)
+        try:
+            motion = problem.follow(begun, point.motion.circular, [guess])
+        except ConvergenceError:
+            return float("inf")
+        slopes = problem.derivatives(motion).residual[:, :-1]
+        step = problem.unpacked(la.solve(slopes, problem.residual(motion)))
+        return float(np.linalg.norm(step[1]) / np.linalg.norm(motion.harmonics[1]))
+
+    def _richer(
+        self, point: CurvePoint, order: int, samples: int | None, released: "Released"
+    ) -> tuple[PeriodicProblem, Vector, Matrix]:
+        """Return a point's problem with other harmonics or modes, and guesses of x and μ."""
+        coarse, watched = point.problem.moved(point.motion), point.problem.local.points
+        problem = self._problem(point.problem.level, order, samples, released, watched)
+        old, new = point.problem.loads.rest.directions, problem.loads.rest.shapes
+        begun = np.zeros(problem.pairs.shape, dtype=complex)
+        n = min(len(begun), len(coarse))
+        begun[:n] = coarse[:n] @ (old.T @ (self.system.M @ new))
+        forces, ratio = point.problem.begun(point.motion), point.problem.samples / problem.samples
+        instants = np.rint((np.arange(PERIODS * problem.samples) + 1) * ratio - 1).astype(int)
+        return problem, problem.packed(begun), forces[np.maximum(instants, 0)]
 
     def _changed(
         self, point: CurvePoint | None, order: int, samples: int | None, released: "Released"
@@ -312,15 +343,10 @@ class ForcedJoint:
         """Return a point with other harmonics or modes, and its relative change."""
         if point is None:
             return None, 0.0
-        coarse, worked = point.motion.harmonics, _work(point)
-        watched, level = point.problem.local.points, point.problem.level
-        problem = self._problem(level, order, samples, released, watched)
-        old, new = point.problem.loads.rest.shapes, problem.loads.rest.shapes
-        begun = np.zeros(problem.pairs.shape, dtype=complex)
-        n = min(len(begun), len(coarse))
-        begun[:n] = coarse[:n] @ (old.T @ (self.system.M @ new))
+        worked = _work(point)
+        problem, begun, guess = self._richer(point, order, samples, released)
         try:
-            fine = solve_motion(problem, problem.packed(begun), point.motion.circular)
+            fine = solve_motion(problem, begun, point.motion.circular, None, [guess])
         except ConvergenceError:
             return None, float("inf")
         change = float(np.linalg.norm(_work(fine) - worked))

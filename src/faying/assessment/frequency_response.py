@@ -44,7 +44,7 @@ def frequency_response(
     harmonics
         Number of harmonics of all modes; those that higher ones move more than statically have
         these too. By default past the first one that meets an excited mode, and three more until no
-        motion changes by ``tolerance``.
+        motion changes by ``tolerance``: ``deviation`` of a curve has the change of each.
     samples
         Increments of a period; by default 16 for each harmonic, 64 at least.
     tolerance
@@ -62,13 +62,14 @@ def frequency_response(
 
     Notes
     -----
-    Modes up to 1.5 times the highest harmonic, the third at least, have inertia and damping (F11);
-    all other motion is as in the stuck joint, where this is exact (F17). If all closed points of an
-    interface slip or open, shapes of the joint without friction or contact are added to these
-    modes. Each motion is two periods from the slip of the joint at rest. Points that always stick
-    keep their earlier slip, so that steady states form a family, a narrow one
-    (``docs/theory/friction.md``). Frequencies without a solution are listed in ``missed`` of their
-    curve.
+    Modes up to 1.5 times the highest harmonic, the third at least, have inertia and damping (F11).
+    They and their harmonics are the same at all frequencies of a curve, and at least those of each
+    frequency alone with as many harmonics. All other motion is as in the stuck joint, where this is
+    exact (F17). If all closed points of an interface slip or open, shapes of the joint without
+    friction or contact are added to these modes. Each motion is two periods from the slip of the
+    joint at rest. Points that always stick keep their earlier slip, so that steady states form a
+    family, a narrow one (``docs/theory/friction.md``). Frequencies without a solution are listed in
+    ``missed`` of their curve.
 
     Examples
     --------

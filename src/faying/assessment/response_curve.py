@@ -145,6 +145,10 @@ class ResponseCurve:
     periods
         Pressures and bolt forces along a period, by the frequencies of the largest pressure, the
         least clamp force and the largest range of each bolt.
+    deviation : (n,) [1]
+        Relative change of each motion by three more harmonics, with the modes and samples that
+        these bring: solved for where it is largest, and estimated elsewhere. None where the number
+        of harmonics is given, or for a curve from a backbone.
     remarks : (n_remark,)
         Remarks for the reader.
     """
@@ -156,6 +160,7 @@ class ResponseCurve:
     missed: tuple[str, ...] = ()
     contact: ContactInMotion | None = None
     periods: Mapping[str, Period] = field(default_factory=dict)
+    deviation: Vector | None = None
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

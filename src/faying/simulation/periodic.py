@@ -279,9 +279,12 @@ class PeriodicProblem:
         """Return factors of the load columns along a period (N, n_column)."""
         return np.asarray((np.exp(1j * self._angles) @ self._driven(harmonics, circular)).real)
 
-    def velocities(self, motion: Motion) -> ComplexMatrix:
-        """Return velocities of all directions, on which damping acts (H + 1, n_mode + n_rest)."""
-        return -self._driven(motion.harmonics, motion.circular)[:, self.loads.damped]
+    def moved(self, motion: Motion) -> ComplexMatrix:
+        """Return harmonics of all directions (H + 1, n_mode + n_rest)."""
+        order = motion.circular * np.arange(self.n_harmonic + 1)
+        led = np.array([self.loads.rest.led(each)[0] for each in order.tolist()])
+        rest = np.einsum("krm,km->kr", led, self._given(motion.harmonics))
+        return np.column_stack([motion.harmonics, rest])
 
     @cached_property
     def _at_points(self) -> Matrix:
