@@ -53,6 +53,21 @@ def test_steady_states_of_transients(joint, level):
     assert contact.error.max() < 1e-6
 
 
+@pytest.mark.slow
+def test_harmonics_chosen_for_a_tolerance_meet_it(joint):
+    """Seven, the first choice, were 0.49 % off at 649.75, where modes that join move as well."""
+    tolerance, halved_steps = 3e-3, 8e-4
+    rows = REFERENCE[(REFERENCE["level"] == 5.0) & (np.abs(REFERENCE["frequency"] - 648.5) < 1.5)]
+    asked = rows["frequency"] * LONGER
+    assert len(asked) == 2
+    (curve,) = fy.frequency_response(
+        joint, {"tip.Fz": 1.0}, asked, [5.0], tolerance=tolerance
+    ).curves
+    assert curve.deviation.max() < tolerance
+    moved = np.abs(curve.response("tip.uz")[at(curve, asked)])
+    np.testing.assert_allclose(moved, rows["amplitude"], rtol=tolerance + halved_steps)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("harmonics", [1, 9])
 def test_small_vibrations_are_linear(joint, harmonics):
