@@ -174,8 +174,7 @@ def test_the_deviation_is_what_more_harmonics_change(slider):
     more = curve.harmonics.shape[1] - 1 + MORE
     (finer,) = fy.frequency_response(slider, load, asked, [8.0], harmonics=more).curves
     rows, others = (
-        [int(np.abs(one.frequency - target).argmin()) for target in asked]
-        for one in (curve, finer)
+        [int(np.abs(one.frequency - target).argmin()) for target in asked] for one in (curve, finer)
     )
     moved = curve.response("mass.ux")[rows]
     changes = np.abs(finer.response("mass.ux")[others] - moved) / np.abs(moved)
