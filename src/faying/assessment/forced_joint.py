@@ -171,7 +171,10 @@ class ForcedJoint:
                 while change > tolerance and finer is not None and order + MORE <= MOST:
                     order += MORE
                     finer, change = self._changed(finer, order + MORE, samples, released)
-                traced = self._traced(level, order, samples, released)
+                first = None
+                if not traced.missed:
+                    first, _ = self._changed(traced.points[0], order, samples, released)
+                traced = self._traced(level, order, samples, released, first=first)
                 deviation, checked, finer, change = self._checked(traced, order, samples, released)
         else:
             # The user's choice is checked where the motion is largest.
