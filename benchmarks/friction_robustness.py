@@ -85,8 +85,12 @@ def reason(number: int) -> str:
     for penalty in 10.0 ** np.arange(8, 13):
         laws = {"joint": Coulomb(Penalty(penalty), law.friction, penalty)}
         soft = AugmentedContact(contact=replace(contact, laws=laws), between=ByCompliance(S))
-        found = soft.solve(relatives[done], contact.offset(slip))
-        forces.append(f"{np.abs(found.forces).max():.1e}")
+        try:
+            found = soft.solve(relatives[done], contact.offset(slip))
+        except ConvergenceError:
+            forces.append("refused")
+        else:
+            forces.append(f"{np.abs(found.forces).max():.1e}")
     gap = contact.free_slack(relatives[done], slip)[0]
     return f"path {number}: room {room(plain, gap):.2g}, forces {', '.join(forces)}"
 
