@@ -166,8 +166,9 @@ def pins(assembly: Assembly, contact: Indices) -> list[Pin]:
     mesh = assembly.mesh
     usable = _outside(assembly, contact)
     label = mesh.bodies
-    sizes = np.bincount(label[label >= 0])
-    rows = np.flatnonzero(usable & (label == sizes.argmax()))
+    solid = label[label >= 0]
+    largest = np.bincount(solid).argmax() if len(solid) else -1  # nodes of shells are in no body
+    rows = np.flatnonzero(usable & (label == largest))
     if len(rows) < 3:
         return []
     places = mesh.nodes[rows]

@@ -271,6 +271,15 @@ def test_the_placeholder_load_enters_where_something_moves(tmp_path):
     assert study.problem == ""
 
 
+def test_shells_without_solids_have_no_interface(tmp_path):
+    (tmp_path / "plate.bdf").write_text(
+        "BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,9.,0.,0.\nGRID,3,,9.,9.,0.\nGRID,4,,0.,9.,0.\n"
+        "CQUAD4,1,1,1,2,3,4\nPSHELL,1,1,2.,1,,1\nMAT1,1,210000.,,.3,7.8-9\nENDDATA\n"
+    )
+    study = first_study(tmp_path / "plate.bdf", tmp_path / "plate.toml")
+    assert "no faces of different bodies face each other" in study.text
+
+
 def test_a_single_body_is_said_to_have_no_interface(tmp_path, monkeypatch):
     builds = []
     monkeypatch.setattr(first, "build", lambda study: builds.append(study) or build(study))
