@@ -79,13 +79,14 @@ def _continued(
 def _show(fitted: "Identification") -> None:
     """Print values, intervals, correlations and remarks."""
     from faying.cli.tables import plain_console, text_table
+    from faying.display.quantities import as_given
 
     columns = ["parameter", "value", "95 % interval", *(f"with {n}" for n in fitted.values)]
     rows = (
         (
             name,
-            f"{value:.4g}",
-            "{:.4g} to {:.4g}".format(*fitted.intervals[name]),
+            as_given(value, 4),
+            " to ".join(as_given(end, 4) for end in fitted.intervals[name]),
             *(f"{entry:+.2f}" for entry in row),
         )
         for (name, value), row in zip(fitted.values.items(), fitted.correlations, strict=True)

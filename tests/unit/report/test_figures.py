@@ -138,6 +138,16 @@ def test_pressure_scale_starts_at_zero_and_other_scales_are_as_given():
     assert image.get_array().min() == pytest.approx(-0.3)
 
 
+def test_small_numbers_beside_colour_bars_have_no_factor_above_them():
+    """Slips of a few hundredths of a micrometre: 1e-5 stood on the title of the next map."""
+    slip, scale = np.linspace(0.0, 6e-5, len(JOINT.points)), (0.0, 6e-5)
+    axes = draw_map(JOINT, slip, panel(), MM, colours="viridis", limits=scale, label="slip")
+    axes.figure.canvas.draw()
+    (bar,) = axes.child_axes
+    assert bar.yaxis.get_offset_text().get_text() == ""
+    assert "2e-5" in [text.get_text() for text in bar.get_yticklabels()]
+
+
 def colour_at(axes, x, y):
     """Return the colour (3,) of a drawn figure at a place in data coordinates."""
     figure = axes.figure

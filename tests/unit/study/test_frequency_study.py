@@ -113,7 +113,7 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     (curve,) = [one for one in kept_curves(out) if one.level == 1.0]
     worst = max(curve.periods, key=lambda name: curve.periods[name].pressure.max())
     (row,) = [row for row in verdict["table"] if row["part"] == "joint"]
-    assert (row["verdict"], row["where"]) == ("not met", f"shaker, level 1 at {worst}")
+    assert (row["verdict"], row["where"]) == ("not met", f"shaker, level 1, {worst} Hz")
     largest = curve.contact.peak_pressure.max()
     assert curve.periods[worst].pressure.max() == pytest.approx(largest, rel=1e-12)
     kept = read_results(out / "results.h5")

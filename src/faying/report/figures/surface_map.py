@@ -12,12 +12,14 @@ from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path as Outline
+from matplotlib.ticker import FuncFormatter
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, Vector
 from faying.display.plane import Plane as Plane
 from faying.display.plane import Unrolled as Unrolled
 from faying.display.plane import plane_of, unrolled
+from faying.display.quantities import as_given
 from faying.display.style import heading, plain
 from faying.interface.mismatch import LARGEST_COSINE
 from faying.interface.surface import pair_facets
@@ -29,6 +31,9 @@ from faying.units import Units
 
 Map = Plane | Unrolled
 """The map of an interface."""
+
+TICKS = FuncFormatter(lambda value, _: as_given(value, 3))
+"""Numbers beside colour bars as in texts and tables, without a factor above the bar."""
 
 
 def best_plane(record: InterfaceRecord) -> Map:
@@ -238,8 +243,15 @@ def _colour_bar(axes: Axes, scale: ScalarMappable, label: str, extend: str) -> N
     figure: Any = axes.figure
     if width > 5 * height:
         figure.colorbar(
-            scale, ax=axes, label=label, extend=extend, location="bottom", shrink=0.5, aspect=40
+            scale,
+            ax=axes,
+            label=label,
+            extend=extend,
+            format=TICKS,
+            location="bottom",
+            shrink=0.5,
+            aspect=40,
         )
         return
     inset = axes.inset_axes((1.02, 0.0, 0.025, 1.0))
-    figure.colorbar(scale, cax=inset, label=label, extend=extend)
+    figure.colorbar(scale, cax=inset, label=label, extend=extend, format=TICKS)

@@ -250,7 +250,7 @@ def sentence(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> str:
     ):
         off = 100 * errors[np.isfinite(errors)]
         if len(off):
-            said.append(f"{what} {off.min():+.2g} to {off.max():+.2g} %")
+            said.append(f"{what} {off.min():+.2g} to {off.max():+.2g} %".replace("-", "−"))
     return (
         f"mode {curve.mode} is off '{curve.name}' (triangles) by {', '.join(said)} at {count} of "
         f"{len(differences.frequency)} measured amplitudes"

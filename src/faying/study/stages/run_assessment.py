@@ -33,8 +33,9 @@ def assess_run(
     ``exact`` has the static pressures of the full model, and is used for preload scatter. Static
     load cases without friction or gaskets are certified, and followed to their openings.
     """
+    hertz = joint.study.unit_set.frequency
     vibrating = {
-        f"{name}, level {curve.level:g} at {frequency}": CaseState(**vars(period))
+        f"{name}, level {curve.level:g}, {frequency} {hertz}": CaseState(**vars(period))
         for name, swept in frequencies.items()
         for curve in swept.response.curves
         for frequency, period in curve.periods.items()
