@@ -91,6 +91,11 @@ def _line_element(assembly: Assembly, spec: BoltSpec, element_id: int) -> Beam |
                 f"bolt '{spec.name}': spring {element_id} is not axial; it must join the same "
                 "translation (1, 2 or 3) of two nodes"
             )
+    if any(bush.id == element_id for bush in assembly.bushes):
+        refuse_model(
+            f"bolt '{spec.name}': element {element_id} has springs along and about several axes "
+            "(CBUSH), which are not tightened; put a CBEAM or an axial CELAS between its nodes"
+        )
     message = (
         f"bolt '{spec.name}': element {element_id} is no beam and no spring; "
         "name the beam elements of the bolt's shank"

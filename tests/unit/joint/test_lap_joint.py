@@ -7,7 +7,7 @@ import pytest
 
 from faying.exceptions import ModelError
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
-from faying.model.assembly import Assembly, Beam, BeamSection, Material, Spring
+from faying.model.assembly import Assembly, Beam, BeamSection, Bush, Material, Spring
 from faying.model.cells import CellBlock
 from faying.model.constraints import constrain
 from faying.model.deck_bolt import bolt_axis_element
@@ -285,6 +285,14 @@ def test_deck_bolt_is_tightened_in_the_middle(elements, middle):
 def test_deck_bolt_of_wrong_elements_is_refused(elements, message):
     with pytest.raises(ModelError, match=message):
         bolt_axis_element(line_elements(), BoltSpec(name="b", elements=elements))
+
+
+def test_a_bush_is_no_bolt_and_the_message_says_what_is():
+    axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    bush = Bush(id=6, nodes=(0, 1), stiffness=(1.0,) * 6, axes=axes, place=(0.0, 0.0, 0.0))
+    bushed = replace(line_elements(), bushes=(bush,))
+    with pytest.raises(ModelError, match="put a CBEAM or an axial CELAS"):
+        bolt_axis_element(bushed, BoltSpec(name="b", elements=(6,)))
 
 
 @pytest.mark.parametrize("shape", SHAPES)
