@@ -125,7 +125,7 @@ def _factorization(memory: FactorMemory) -> str:
 
 
 def _point(values: Iterable[float]) -> str:
-    return f"({', '.join(f'{value:.4g}' for value in values)})"
+    return f"({', '.join(f'{value + 0.0:.4g}' for value in values)})"
 
 
 def _bodies(mesh: Mesh) -> Table:
