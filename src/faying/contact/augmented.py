@@ -324,16 +324,19 @@ def _softened_force(
 ) -> tuple[Vector, Vector]:
     """Return λ with c(λ) + d λ = ``closed`` (n_point,) [length], and the slope c′ + d there.
 
-    By Newton's method from λ = 0; λ is negative where points are open.
+    By Newton's method from λ = 0, between bounds that halve where a step leaves them; λ is
+    negative where points are open.
     """
-    force = np.zeros_like(closed)
+    force, low, high = np.zeros_like(closed), np.zeros_like(closed), np.full_like(closed, np.inf)
     for _ in range(MOST_STEPS):
         pressed = np.maximum(force, 0.0)
         closure, slope = (part[0] for part in law.normal.closure(pressed[None], weights))
         yields, left = slope + added, closed - closure - added * pressed
-        force = pressed + left / yields
+        low, high = np.where(left < 0.0, low, pressed), np.where(left < 0.0, pressed, high)
         opened = (pressed == 0.0) & (left <= 0.0)
-        if (opened | (np.abs(left) <= ROUND_OFF * np.abs(closed))).all():
+        force = pressed + left / yields
+        force = np.where(opened | (low <= force) & (force <= high), force, 0.5 * (low + high))
+        if (opened | (np.abs(left) <= ROUND_OFF * np.maximum(np.abs(closed), closure))).all():
             break
     return force, yields
 

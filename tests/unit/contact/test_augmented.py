@@ -55,3 +55,20 @@ def test_hard_points_have_springs_where_they_yield():
     soft = softened(dict.fromkeys(LAWS, Penalty(2.0)), 0.5).springs[0]
     weights = joint()[0].contact.weights
     np.testing.assert_allclose(soft, 1 / (1 / (2.0 * weights) + 0.5), rtol=1e-15)
+
+
+def test_curves_that_begin_far_softer_than_they_end():
+    """The slope at zero force, a thousandth up the curve, is far below that of small forces."""
+    steps = np.arange(332)
+    curve = TableClosure(
+        closures=(-1.0, *(0.01 * steps - 0.99)), pressures=(0.0, *(0.07 * np.exp(0.05 * steps)))
+    )
+    answers = softened(LAWS | {"two": curve}, added=1.4e-3)
+    (points,) = (at for law, at in answers.laws.members if law is curve)
+    moved = np.zeros((3, N))
+    moved[0, points] = np.linspace(-0.1, 0.5, points.stop - points.start)
+    forces = answers.respond(moved)[0]
+    # Newton's method ends at 1e-12.
+    np.testing.assert_allclose(
+        answers.yielded(forces)[0, points], -moved[0, points], rtol=1e-11, atol=1e-12
+    )
