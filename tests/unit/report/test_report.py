@@ -192,6 +192,9 @@ def test_verdict_is_a_row_for_each_bolt_and_interface(written):
     assert "yield 70 %" in table
     assert "clamp loss 20 %" in table
     assert "opening 40 %" in table  # it opens at 2.5 times the load
+    lost = replace(YIELD, quantity="opening", outcome="not met", utilisation=np.inf, value=0.0)
+    opened = replace(RESULTS, assessment=replace(RESULTS.assessment, checks=(lost,)))
+    assert "opening lost" in render(Album(opened), WHERE)
     failed = replace(YIELD, outcome="not met", utilisation=2.5, value=1600.0)
     yielding = replace(RESULTS, assessment=replace(RESULTS.assessment, checks=(failed,)))
     page = render(Album(yielding), WHERE)
