@@ -169,9 +169,9 @@ def test_tighten_prints_the_turns_and_writes_them(call, tmp_path):
 
 def test_fit_needs_parameters_and_band_needs_backbones(call, tmp_path):
     (tmp_path / "joint.toml").write_text(TINY_JOINT)
-    status, _, error = call("fit", tmp_path / "joint.toml")
+    status, _, error = call("fit", tmp_path / "joint.toml", "--out", tmp_path / "out")
     assert (status, "has no [[parameter]]" in error) == (2, True)
     parameter = '[[parameter]]\nname = "N"\nkeys = ["bolt.bolt.preload"]\nrange = [1e3, 9e3]\n'
     (tmp_path / "joint.toml").write_text(TINY_JOINT + parameter)
-    status, _, error = call("band", tmp_path / "joint.toml")
+    status, _, error = call("band", tmp_path / "joint.toml", "--out", tmp_path / "out")
     assert (status, 'has no [[load_case]] of kind = "backbone"' in error) == (2, True)

@@ -133,6 +133,7 @@ def test_many_loads_have_the_verdict_of_a_run(tmp_path):
     study, model = tmp_path / "rubbing.toml", tmp_path / "rubbing.faying"
     bolt = 'size = "M5"\ngrade = "8.8"\ntightening_factor = 1.4\n[damping]'
     demanded = "[requirement]\nmin_opening_factor = 1.2\nmin_sliding_factor = 1.2\n"
+    demanded += "min_slip_safety = 1.1\n"
     once = STUDY.replace("SWITCH", "true").replace("[damping]", bolt)
     study.write_text(once.partition('[[load_case]]\nname = "jump"')[0] + demanded)
     read = read_study(study)
