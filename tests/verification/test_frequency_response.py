@@ -119,7 +119,7 @@ def pressed_mass():
 @pytest.mark.slow
 def test_a_joint_that_opens_folds_and_is_followed_past_its_turning_points():
     found = fy.frequency_response(
-        pressed_mass(), {"mass.Fx": 1.0}, np.linspace(2.0, 3.6, 9), [0.8], harmonics=3, samples=48
+        pressed_mass(), {"mass.Fx": 1.0}, np.linspace(2.0, 3.6, 9), [0.8], harmonics=3, samples=96
     )
     curve = found.curves[0]
     assert curve.missed == ()
@@ -130,8 +130,8 @@ def test_a_joint_that_opens_folds_and_is_followed_past_its_turning_points():
     highest_up = np.abs(curve.response("mass.ux")[up]).max()
     highest_down = np.abs(curve.response("mass.ux")[down]).max()
     assert highest_down > 1.2 * highest_up
-    # What is opened is lost to no one: the balance closes on every branch, to the samples.
-    np.testing.assert_allclose(curve.contact.imbalance, 0, atol=0.02)
+    # The balance closes on every branch, to the samples: 0.4 % with 96, up to 2.2 % with 48.
+    np.testing.assert_allclose(curve.contact.imbalance, 0, atol=0.01)
     assert curve.contact.open_share.max() == 1.0
 
 
