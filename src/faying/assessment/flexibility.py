@@ -3,6 +3,7 @@
 Equation numbers (C…) are from ``docs/theory/certificate.md``.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
@@ -12,10 +13,10 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.dense_points import SINGULAR_PIVOT
-from faying.contact.held_pairs import HeldPairs
 from faying.contact.point_springs import PointSprings
 from faying.digits import ROUND_OFF, SOLVED
 from faying.joint.system import Joint
+from faying.linalg.cholesky import DenseFactorization
 from faying.linalg.pieces import pieces
 
 
@@ -66,15 +67,15 @@ class ElasticFlexibility:
         Displacements along the forces.
     compliance : (n_relative, n_relative) [length/force]
         S.
-    held : (n_relative, n_relative) [length/force]
-        (Σ + Nᵀ D⁻¹ N)⁻¹.
+    held
+        Factors of Σ + Nᵀ D⁻¹ N (n_relative, n_relative) [force/length].
     yields : (n_point,) [length/force]
         D.
     """
 
     N: SparseMatrix
     compliance: Matrix
-    held: Matrix
+    held: DenseFactorization
     yields: Vector
 
     @property
@@ -85,19 +86,19 @@ class ElasticFlexibility:
     @cached_property
     def point_norms(self) -> Vector:
         """√((H⁻¹)_kk) (n_point,) [√(force/length)]."""
-        shares = np.empty_like(self.yields)
+        shares, compliance = np.empty_like(self.yields), self.held.inverse()
         for rows in pieces(len(shares), self.N.shape[1]):
             part = self.N[rows]
-            shares[rows] = part.multiply(part @ self.held).sum(axis=1)
+            shares[rows] = part.multiply(part @ compliance).sum(axis=1)
         return np.asarray(np.sqrt(np.maximum(1.0 - shares / self.yields, 0.0) / self.yields))
 
     def times(self, forces: Matrix) -> Matrix:
         """Return x H (..., n_point) [length] of forces (..., n_point)."""
-        return self._through(self.compliance, forces) + self.yields * forces
+        return self._through(self.compliance.__matmul__, forces) + self.yields * forces
 
     def solve(self, gaps: Matrix) -> Matrix:
         """Return x H⁻¹ (..., n_point) [force] of gaps (..., n_point)."""
-        return (gaps - self._through(self.held, gaps / self.yields)) / self.yields
+        return (gaps - self._through(self.held.solve, gaps / self.yields)) / self.yields
 
     def energy(self, gaps: Matrix) -> Vector:
         """Return xᵀ H⁻¹ x (...) [force·length] of gaps (..., n_point)."""
@@ -111,10 +112,10 @@ class ElasticFlexibility:
         """Return ``forces`` and that they are admissible: H has full range."""
         return forces, np.ones(forces.shape[:-1], dtype=bool)
 
-    def _through(self, between: Matrix, rows: Matrix) -> Matrix:
-        """Return x N B Nᵀ (..., n_point) of rows (..., n_point)."""
+    def _through(self, between: Callable[[Matrix], Matrix], rows: Matrix) -> Matrix:
+        """Return x N B Nᵀ (..., n_point) of rows (..., n_point), for the product with B."""
         columns = rows.reshape(-1, rows.shape[-1]).T
-        return np.asarray((self.N @ (between @ (self.N.T @ columns))).T.reshape(rows.shape))
+        return np.asarray((self.N @ between(self.N.T @ columns)).T.reshape(rows.shape))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -198,8 +199,8 @@ def joint_flexibility(joint: Joint) -> Flexibility:
 
     Notes
     -----
-    One inverse of n_relative³ multiplications where all points yield and the structure deforms
-    whenever pairs move; else :func:`flexibility`.
+    ⅓ n_relative³ multiplications where all points yield and the structure deforms whenever pairs
+    move, and ⅔ for norms of points; else :func:`flexibility`.
     """
     joint.contact.check_frictionless()
     by_pairs = flexibility_by_pairs(joint, joint.contact.interpolation, joint.contact.flexibility)
@@ -218,10 +219,11 @@ def flexibility_by_pairs(joint: Joint, N: SparseMatrix, yields: Vector) -> Flexi
         stiffness = between.stiffness
     except la.LinAlgError:
         return None
-    held = HeldPairs.on_springs(PointSprings(G=N, components=1), 1.0 / yields[None], stiffness)
-    return ElasticFlexibility(
-        N=N, compliance=between.compliance, held=held.compliance, yields=yields
-    )
+    springs = PointSprings(G=N, components=1).of_diagonal(1.0 / yields[None])
+    # The transpose is the same matrix, in the order that LAPACK works on.
+    factor = la.cholesky((stiffness + springs).T, lower=True, overwrite_a=True)
+    held = DenseFactorization(factor=np.asfortranarray(factor))
+    return ElasticFlexibility(N=N, compliance=between.compliance, held=held, yields=yields)
 
 
 def flexibility(H: Matrix) -> DenseFlexibility:

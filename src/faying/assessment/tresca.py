@@ -69,8 +69,8 @@ def certify_increments(
     Notes
     -----
     The slip before an increment is taken from the path: errors are not accumulated, and a halved
-    increment counts as one. One inverse between pairs, n_relative³, then O(n_relative²) an
-    increment. Hard contact takes ⅔ (3 n_point)³, and n_point² an increment.
+    increment counts as one. One factorization between pairs, ⅓ n_relative³, then
+    O(n_relative²) an increment. Hard contact takes ⅔ (3 n_point)³, and n_point² an increment.
 
     Examples
     --------

@@ -39,6 +39,10 @@ class DenseFactorization:
         half = la.solve_triangular(self.factor, dense(columns), lower=True, check_finite=False)
         return np.asarray(half.T @ half)
 
+    def inverse(self) -> Matrix:
+        """Return A⁻¹, which takes twice as long as the factor."""
+        return _mirrored(lapack.dpotri(self.factor, lower=1)[0])
+
 
 def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
     """Factorize ΨᵀKΨ, whose diagonal is round-off where Ψ contains a free motion.
@@ -73,7 +77,12 @@ def inverse(
     if failed or pivots.min(initial=np.inf) ** 2 < smallest * pivots.max(initial=0.0) ** 2:
         message = "the matrix is not positive definite"
         raise la.LinAlgError(message)
-    whole: npt.NDArray[Any] = invert(lower, lower=1, overwrite_c=1)[0].T
+    return _mirrored(invert(lower, lower=1, overwrite_c=1)[0])
+
+
+def _mirrored(lower: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return a symmetric matrix, read-only, of which the lower triangle is given."""
+    whole = lower.T
     for row in range(0, len(whole), BLOCK):
         strip = slice(row, row + BLOCK)
         whole[row + BLOCK :, strip] = whole[strip, row + BLOCK :].T
