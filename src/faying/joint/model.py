@@ -146,8 +146,8 @@ class Model(Shown):
     @cached_property
     def contact(self) -> Contact:
         """All interfaces stacked."""
-        n_dof = self.structure.relative_operator.shape[1]
-        return replace(stack(self.interfaces, n_dof), dense_budget=self.structure.dense_budget)
+        stacked = stack(self.interfaces, self.structure.n_dof)
+        return replace(stacked, dense_budget=self.structure.dense_budget)
 
     @cached_property
     def port_compliance(self) -> PortCompliance:
@@ -292,7 +292,7 @@ class Model(Shown):
         ]
         if components[0] == components[1]:
             return replace(self, interfaces=changed)
-        stacked = stack(changed, structure.relative_operator.shape[1])
+        stacked = stack(changed, structure.n_dof)
         if not _are_equal(stacked.relative_operator, structure.relative_operator):
             structure = replace(structure, relative_operator=stacked.relative_operator)
         return replace(self, interfaces=changed, structure=structure)

@@ -155,14 +155,13 @@ def _solve_for_others(
         members = np.flatnonzero(group[: len(rows.dependent)] == number)
         columns = np.unique(residual[members].indices)
         dense = residual[members][:, columns].toarray()
-        if len(_eliminate(dense, moving[columns])[0]) > len(
-            _eliminate(dense, choosable[columns])[0]
-        ):
+        chosen, reduced = _eliminate(dense, choosable[columns])
+        if len(_eliminate(dense, moving[columns])[0]) > len(chosen):
             _refuse_tied(assembly, rows, members)
         if len(columns) ** 2 > NEIGHBOURS * n_dof:
             means, dense, columns = _in_groups(assembly, dense, columns, choosable)
             groups += means
-        chosen, reduced = _eliminate(dense, choosable[columns])
+            chosen, reduced = _eliminate(dense, choosable[columns])
         others = np.setdiff1d(np.arange(len(columns)), chosen)
         solved = -np.linalg.solve(reduced[:, chosen], reduced[:, others])
         solution = np.asarray(solved, dtype=np.float64)
